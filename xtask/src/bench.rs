@@ -1,0 +1,23 @@
+//! `cargo xtask bench`: the benches, in release.
+
+use anyhow::Result;
+
+use crate::run::{cargo, run};
+
+/// Packages with benches.
+const PACKAGES: [&str; 2] = ["breakaway-core", "breakaway"];
+
+/// Runs them one after the other, so that they do not disturb each other.
+pub fn all() -> Result<()> {
+    for package in PACKAGES {
+        println!("\n==> bench {package}");
+        run(&mut cargo(["bench", "--package", package]))?;
+    }
+    Ok(())
+}
+
+/// The blind matrix.
+pub fn blind(arguments: &[String]) -> Result<()> {
+    let mut command = cargo(["run", "--release", "--package", "breakaway-tests", "--example", "blind", "--"]);
+    run(command.args(arguments))
+}

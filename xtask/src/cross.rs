@@ -1,0 +1,106 @@
+//! Building for the microcontrollers, with whichever toolchain can be had (in this order): the target installed
+//! in the active toolchain, the target from rustup, Debian's rustc that builds its own `core`.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+
+use crate::debian;
+use crate::run::{answer, cargo, run, run_within, succeeds};
+
+/// Cortex-M4F: the board.
+const M4F: &str = "thumbv7em-none-eabihf";
+/// Cortex-M0+: no FPU, no hardware division.
+const M0: &str = "thumbv6m-none-eabi";
+const TARGETS: [&str; 2] = [M4F, M0];
+
+/// Packages built for a target.
+pub struct Build {
+    target: &'static str,
+    packages: &'static [&'static str],
+}
+
+/// What must build, with the title of its step.
+pub const BUILDS: [(&str, &Build); 2] = [
+    (
+        "build for Cortex-M4F (core, firmware)",
+        &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"] },
+    ),
+    ("build for Cortex-M0+ (core)", &Build { target: M0, packages: &["breakaway-core"] }),
+];
+
+/// Builds with a toolchain that [`install`] has found.
+pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
+    let mut command = match toolchain {
+        Toolchain::Active => cargo(["build"]),
+        Toolchain::Debian => debian::cargo_build(build.target),
+    };
+    command.args(["--target", build.target]);
+    for package in build.packages {
+        command.args(["--package", package]);
+    }
+    run(&mut command)
+}
+
+/// Which toolchain builds for the targets.
+#[derive(Clone, Copy)]
+pub enum Toolchain {
+    /// The one that runs this program; it has the targets.
+    Active,
+    /// Debian's, with `-Z build-std`.
+    Debian,
+}
+
+/// Sees to it that a toolchain for all targets is there.
+pub fn install() -> Result<Toolchain> {
+    if TARGETS.into_iter().all(installed) {
+        return Ok(Toolchain::Active);
+    }
+    let by_rustup = rustup_add();
+    match by_rustup {
+        Ok(()) if TARGETS.into_iter().all(installed) => return Ok(Toolchain::Active),
+        Ok(()) => println!("rustup has another toolchain than {}", rustc().get_program().display()),
+        Err(error) => println!("{error:#}"),
+    }
+    if let Err(error) = debian::install() {
+        bail!(
+            "{error:#}; install the targets by `rustup target add {}`, or on Debian the packages `{}`",
+            TARGETS.join(" "),
+            debian::PACKAGES.join(" ")
+        );
+    }
+    Ok(Toolchain::Debian)
+}
+
+fn rustup_add() -> Result<()> {
+    if !succeeds(Command::new("rustup").arg("--version")) {
+        bail!("no rustup here");
+    }
+    // rustup fails at once where it is refused; where packets are merely lost it would wait long. The packages
+    // being there already says that this machine has been refused before.
+    let limit = if debian::installed() { 20 } else { 180 };
+    let mut command = Command::new("rustup");
+    run_within(command.args(["target", "add"]).args(TARGETS), Duration::from_secs(limit))
+}
+
+fn rustc() -> Command {
+    Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+}
+
+/// Whether the active toolchain has the standard library of a target.
+fn installed(target: &str) -> bool {
+    answer(rustc().args(["--print", "target-libdir", "--target", target]))
+        .is_some_and(|folder| Path::new(&folder).is_dir())
+}
+
+/// The linker that rustup's toolchain brings; else the one of Debian's package `lld`.
+pub fn linker() -> String {
+    let bundled = || {
+        let libraries = answer(rustc().args(["--print", "target-libdir"]))?;
+        let linker = Path::new(&libraries).with_file_name("bin").join("rust-lld");
+        linker.is_file().then(|| linker.display().to_string())
+    };
+    bundled().unwrap_or_else(|| "ld.lld".to_owned())
+}

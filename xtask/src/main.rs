@@ -1,0 +1,54 @@
+//! The developer's one entry: `cargo xtask test`, `setup`, `fuzz`, `bench`, `blind`.
+
+mod bench;
+mod check;
+mod cross;
+mod debian;
+mod fuzz;
+mod report;
+mod run;
+mod setup;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask", about = "The developer's one entry")]
+enum Task {
+    /// Format, lints, all host tests, doctests, and the builds for the microcontrollers
+    Test,
+    /// Install what `test` needs beyond rustup's stable toolchain
+    Setup,
+    /// Run the bounded fuzz tests of the test suite for longer
+    Fuzz {
+        /// Time for each fuzz test
+        #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
+        seconds: u64,
+    },
+    /// Run the benches, in release
+    Bench,
+    /// Discover blind cases: the hidden plant, scored against its sealed truth, in release
+    Blind {
+        /// Passed on: `--sizes 3,10 --seeds 1..5 --effects cogging,none --experiment suite --verbose`
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    let result = match Task::parse() {
+        Task::Test => return check::all(),
+        Task::Setup => setup::all(),
+        Task::Fuzz { seconds } => fuzz::all(seconds),
+        Task::Bench => bench::all(),
+        Task::Blind { arguments } => bench::blind(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

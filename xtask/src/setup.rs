@@ -1,0 +1,33 @@
+//! `cargo xtask setup`: what `cargo xtask test` would install on its way, installed now.
+
+use std::process::Command;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+
+use crate::cross::{self, Toolchain};
+use crate::run::{cargo, run_within, succeeds};
+
+/// Installs everything.
+pub fn all() -> Result<()> {
+    components()?;
+    let whose = match cross::install()? {
+        Toolchain::Active => "the active",
+        Toolchain::Debian => "Debian's",
+    };
+    println!("ready: {whose} toolchain builds for the microcontrollers");
+    Ok(())
+}
+
+/// rustfmt and clippy, which rustup's minimal profile leaves out.
+pub fn components() -> Result<()> {
+    for component in ["fmt", "clippy"] {
+        if !succeeds(&mut cargo([component, "--version"])) {
+            let mut add = Command::new("rustup");
+            add.args(["component", "add", "rustfmt", "clippy"]);
+            return run_within(&mut add, Duration::from_secs(180))
+                .context("rustfmt or clippy is missing; install both by `rustup component add rustfmt clippy`");
+        }
+    }
+    Ok(())
+}
