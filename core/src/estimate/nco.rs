@@ -1,0 +1,186 @@
+//! Numerically controlled oscillator: a u32 phase accumulator and an interpolated sine table.
+//!
+//! One turn is 2³² phase units, so the phase wraps by itself and never loses resolution, however long the record
+//! (an f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps, identification.md section 3).
+//!
+//! [`sin_cos`] looks up the nearest of 256 points of the circle and interpolates with the derivatives that the table
+//! already holds, `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256.
+//! The truncation is `δ⁴/24 = 9.5e-10`; with the Q30 rounding the worst measured error is 2.6e-9
+//! (2.8 Q30 steps), where a 10-bit table without interpolation errs by 3e-3 and floors amplitudes at 1e-3.
+//! Integers only: it runs in the tick of a core without an FPU, in 1.25 KiB of table.
+
+use core::f64::consts::TAU;
+
+/// Points of the table per turn.
+const POINTS: usize = 256;
+/// One in the output of [`sin_cos`]: Q30.
+pub const ONE_Q30: i32 = 1 << 30;
+
+/// A full turn of the sine and a quarter more, so that the cosine is the entry 64 places on; Q30.
+static TABLE: [i32; POINTS + POINTS / 4] = table();
+
+/// Sine on the first quarter turn by its Taylor series; the term after the last is below 1e-18.
+const fn quarter_sine(x: f64) -> f64 {
+    let mut term = x;
+    let mut sum = x;
+    let mut k = 1;
+    while k < 12 {
+        let order = (2 * k) as f64;
+        term = -term * x * x / (order * (order + 1.0));
+        sum += term;
+        k += 1;
+    }
+    sum
+}
+
+const fn table() -> [i32; POINTS + POINTS / 4] {
+    let mut out = [0; POINTS + POINTS / 4];
+    let mut i = 0;
+    while i < out.len() {
+        let quarter = (i / (POINTS / 4)) % 4;
+        let within = i % (POINTS / 4);
+        let index = if quarter.is_multiple_of(2) { within } else { POINTS / 4 - within };
+        let value = quarter_sine(index as f64 * (TAU / POINTS as f64)) * ONE_Q30 as f64;
+        let rounded = (value + 0.5) as i32;
+        out[i] = if quarter < 2 { rounded } else { -rounded };
+        i += 1;
+    }
+    out
+}
+
+/// 2π·2⁴ in Q20: turns a phase residue (2⁻³² turn) into radians in Q36.
+const RADIANS_Q36_PER_UNIT_Q20: i64 = (TAU * 16.0 * 1_048_576.0 + 0.5) as i64;
+/// 1/3 in Q20.
+const THIRD_Q20: i64 = 349_525;
+
+/// `value / 2^bits`, rounded to nearest: truncation would bias every sum by half a step.
+#[inline]
+const fn round_shift(value: i64, bits: u32) -> i64 {
+    (value + (1 << (bits - 1))) >> bits
+}
+
+/// Sine and cosine, Q30, of a phase in units of 2⁻³² turn. Worst error 2.6e-9 (module documentation).
+#[inline]
+pub fn sin_cos(phase: u32) -> (i32, i32) {
+    let index = phase.wrapping_add(1 << 23) >> 24;
+    let residue = phase.wrapping_sub(index << 24) as i32;
+    // `index` is below 256, so both look-ups are inside the 320 entries.
+    let index = index as usize % POINTS;
+    let sin = i64::from(TABLE[index]);
+    let cos = i64::from(TABLE[index + POINTS / 4]);
+    let delta_q36 = round_shift(i64::from(residue) * RADIANS_Q36_PER_UNIT_Q20, 20);
+    // δ²/2 in Q30, and δ³/6 as (δ²/2)·δ/3 in Q36.
+    let versine_q30 = round_shift(delta_q36 * delta_q36, 43);
+    let cube_q36 = round_shift(((versine_q30 * delta_q36) >> 20) * THIRD_Q20, 30);
+    let sin_delta_q36 = delta_q36 - cube_q36;
+    let s = sin + round_shift(cos * sin_delta_q36, 36) - round_shift(sin * versine_q30, 30);
+    let c = cos - round_shift(sin * sin_delta_q36, 36) - round_shift(cos * versine_q30, 30);
+    (s as i32, c as i32)
+}
+
+/// An oscillator's frequency, as the phase advance per sample. The phase itself is the caller's state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Nco {
+    word: u32,
+}
+
+/// Why a frequency cannot be generated; names the parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NcoError {
+    /// The sampling period is not finite and positive.
+    SamplePeriod,
+    /// The frequency is not finite, or outside (0, Nyquist), or below 2⁻³² turn per sample.
+    Frequency,
+}
+
+impl Nco {
+    /// An oscillator at `omega_rad_s` sampled every `sample_period_s`, 0 < ω·Ts < π.
+    ///
+    /// The frequency is rounded to a multiple of 2⁻³² turn per sample; [`Nco::radians_per_sample`] is what it became.
+    ///
+    /// # Errors
+    /// [`NcoError`] names the parameter that is out of range.
+    pub fn new(omega_rad_s: f64, sample_period_s: f64) -> Result<Self, NcoError> {
+        if !(sample_period_s.is_finite() && sample_period_s > 0.0) {
+            return Err(NcoError::SamplePeriod);
+        }
+        let turns = omega_rad_s * sample_period_s / TAU;
+        if !(turns > 0.0 && turns < 0.5) {
+            return Err(NcoError::Frequency);
+        }
+        let word = libm::round(turns * 4_294_967_296.0) as u32;
+        if word == 0 {
+            return Err(NcoError::Frequency);
+        }
+        Ok(Self { word })
+    }
+
+    /// Phase advance per sample, in units of 2⁻³² turn.
+    pub const fn word(&self) -> u32 {
+        self.word
+    }
+
+    /// The frequency that is generated, in rad/sample.
+    pub fn radians_per_sample(&self) -> f64 {
+        f64::from(self.word) * (TAU / 4_294_967_296.0)
+    }
+
+    /// Sine and cosine (Q30) at `phase`, which then advances by one sample.
+    #[inline]
+    pub fn step(&self, phase: &mut u32) -> (i32, i32) {
+        let out = sin_cos(*phase);
+        *phase = phase.wrapping_add(self.word);
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn worst_error_is_the_documented_one() {
+        // A prime stride visits about two million phases, table points and midpoints among them.
+        let mut worst = 0.0_f64;
+        let edges = (0..256u32).flat_map(|i| [i << 24, (i << 24) + (1 << 23) - 1, (i << 24).wrapping_add(1 << 23)]);
+        for phase in (0..u32::MAX).step_by(2039).chain(edges) {
+            let angle = f64::from(phase) * (TAU / 4_294_967_296.0);
+            let (s, c) = sin_cos(phase);
+            let scale = f64::from(ONE_Q30);
+            worst = worst
+                .max((f64::from(s) / scale - libm::sin(angle)).abs())
+                .max((f64::from(c) / scale - libm::cos(angle)).abs());
+        }
+        assert!(worst < 2.6e-9, "worst error {worst:e}");
+        assert!(worst > 2.4e-9, "better than documented: {worst:e}");
+    }
+
+    #[test]
+    fn quadrants_are_exact() {
+        assert_eq!(sin_cos(0), (0, ONE_Q30));
+        assert_eq!(sin_cos(1 << 30), (ONE_Q30, 0));
+        assert_eq!(sin_cos(1 << 31), (0, -ONE_Q30));
+        assert_eq!(sin_cos(3 << 30), (-ONE_Q30, 0));
+    }
+
+    #[test]
+    fn phase_does_not_drift() {
+        // 2·10⁶ steps: the phase is the word times the count, exactly.
+        let nco = Nco::new(TAU * 50.0, 1e-4).unwrap();
+        let mut phase = 0;
+        for _ in 0..2_000_000 {
+            nco.step(&mut phase);
+        }
+        assert_eq!(phase, nco.word().wrapping_mul(2_000_000));
+    }
+
+    #[test]
+    fn refuses_what_it_cannot_generate() {
+        for ts in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Nco::new(1.0, ts), Err(NcoError::SamplePeriod));
+        }
+        for omega in [0.0, -1.0, f64::NAN, f64::INFINITY, 3.15, 1e-10] {
+            assert_eq!(Nco::new(omega, 1.0), Err(NcoError::Frequency));
+        }
+    }
+}

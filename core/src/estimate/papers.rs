@@ -1,0 +1,98 @@
+//! The papers' own formulas, literally, as a reference only: they contain the errors that the errata list.
+//!
+//! Use [`super::modulating`] or [`super::describing_function`] instead.
+
+use crate::scalar::Real;
+
+/// One relay experiment as the papers use it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelayExperiment<R> {
+    /// Amplitude of the relay on the error, drive units.
+    pub h1: R,
+    /// Amplitude of the relay on the error's integral, drive units.
+    pub h2: R,
+    /// Amplitude of the limit cycle's fundamental, position units.
+    pub a: R,
+    /// Its angular frequency, rad/s.
+    pub omega: R,
+}
+
+/// What the papers' formulas give: `Gp = Kp/(s(Tp·s + 1))` and the friction; no errors are known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperEstimate<R> {
+    /// Gain, position units per second and drive unit.
+    pub kp: R,
+    /// Time constant, s.
+    pub tp: R,
+    /// Coulomb friction, drive units.
+    pub f1: R,
+    /// Viscous friction, drive units per (position unit/s).
+    pub f2: R,
+}
+
+/// Paper eq. 17, as printed. Errata 18–21: the frequency is missing in f1 and f2, Kp and Tp neglect the friction
+/// relay, experiment 1 is used twice (which forces f2 = −4f1/(πa1)), and it divides by a2 − a1.
+pub fn equation_17<R: Real>(first: RelayExperiment<R>, second: RelayExperiment<R>) -> PaperEstimate<R> {
+    let (h11, h21, a1, omega1) = (first.h1, first.h2, first.a, first.omega);
+    let (h12, h22, a2, omega2) = (second.h1, second.h2, second.a, second.omega);
+    let pi = R::from_f64(core::f64::consts::PI);
+    let four = R::from_f64(4.0);
+    let tp = h11 / (h21 * omega1);
+    let root = (R::ONE + omega1 * omega1 * tp * tp).sqrt();
+    let kp = pi * a1 / (four * (h11 * h11 + h21 * h21).sqrt()) * omega1 * root;
+    let f1 = (-h11 * a2 / (tp * omega1) + h12 * a1 / (tp * omega2) + h21 * a2 - h22 * a1) / (a2 - a1);
+    let f2 = -four / (pi * a1) * (h11 / (tp * omega1) + f1 - h21);
+    PaperEstimate { kp, tp, f1, f2 }
+}
+
+/// The memo's MATLAB listing (memo section 3.2), as printed, for three experiments. Erratum 14: f2 lacks ω.
+pub fn memo_listing<R: Real>(experiments: [RelayExperiment<R>; 3]) -> PaperEstimate<R> {
+    let [first, second, third] = experiments;
+    let (h21, a1, w1) = (first.h2, first.a, first.omega);
+    let (h22, a2, w2) = (second.h2, second.a, second.omega);
+    let (h23, a3, w3) = (third.h2, third.a, third.omega);
+    let pi = R::from_f64(core::f64::consts::PI);
+    let four = R::from_f64(4.0);
+    let f1 = (a2 * (w2 - w1) * (a3 * w3 * h21 - a1 * w1 * h23) - a3 * (w3 - w1) * (a2 * w2 * h21 - a1 * w1 * h22))
+        / (a3 * (w3 - w1) * (a1 * w1 - a2 * w2) - a2 * (w2 - w1) * (a1 * w1 - a3 * w3));
+    let f2 = four * ((a1 * w1 - a2 * w2) * f1 - a1 * w1 * h22 + a2 * w2 * h21) / ((pi * a1 * a2) * (w2 - w1));
+    let kp = -pi * a1 * w1 / (four * (f1 - h21) + pi * a1 * f2);
+    let tp = four * first.h1 * kp / (pi * a1 * w1 * w1);
+    PaperEstimate { kp, tp, f1, f2 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    const fn experiment(h1: f64, h2: f64, a: f64, omega: f64) -> RelayExperiment<f64> {
+        RelayExperiment { h1, h2, a, omega }
+    }
+
+    /// Row 7 (identification.md section 4 item 2): printed to 1e-4 there.
+    #[test]
+    fn row_7_memo_listing_on_the_memos_numbers() {
+        let found = memo_listing([
+            experiment(2.0, 1.5, 1.2627, TAU / (4.0 / 5.5)),
+            experiment(5.0, 4.0, 6.286, TAU / (6.0 / 5.85)),
+            experiment(4.0, 3.5, 5.7935, TAU / (10.0 / 9.0)),
+        ]);
+        assert!((found.f1 - 0.53874).abs() < 1e-4, "{found:?}");
+        assert!((found.f2 - 0.04735).abs() < 1e-4, "{found:?}");
+        assert!((found.kp - 9.37103).abs() < 1e-4, "{found:?}");
+        assert!((found.tp - 0.2532).abs() < 1e-4, "{found:?}");
+    }
+
+    /// Row 8 (identification.md section 4 item 1), on the exact limit cycles of its section 1: printed to 1e-3 there.
+    #[test]
+    fn row_8_equation_17_on_exact_limit_cycles() {
+        let found = equation_17(experiment(2.0, 1.5, 1.27742, 8.68809), experiment(1.0, 0.7, 0.10192, 21.76145));
+        assert!((found.kp - 5.811).abs() < 1e-3, "{found:?}");
+        assert!((found.tp - 0.1535).abs() < 1e-3, "{found:?}");
+        assert!((found.f1 - 0.4353).abs() < 1e-3, "{found:?}");
+        assert!((found.f2 + 0.434).abs() < 1e-3, "{found:?}");
+        // Erratum 19: reusing experiment 1 forces this, whatever the plant.
+        assert!((found.f2 + 4.0 * found.f1 / (core::f64::consts::PI * 1.27742)).abs() < 1e-12);
+    }
+}

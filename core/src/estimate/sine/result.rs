@@ -1,0 +1,206 @@
+//! The result of a sine fit and its standard errors.
+
+use super::normal::{Factor, dot};
+use super::refine::Point;
+use super::{SineError, SineModel};
+use core::f64::consts::TAU;
+
+/// A fitted sine `y = A·sin(ω(t − t_ref) + θ) + d`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SineFit {
+    /// A, in the signal's unit; > 0.
+    pub amplitude: f64,
+    /// ω, rad/s.
+    pub omega_rad_s: f64,
+    /// θ with t_ref at the record's centre (midway between first and last sample), in −π..π. This is the phase that
+    /// the data determine best: it does not depend on ω's error.
+    pub phase_centre_rad: f64,
+    /// θ with t_ref at the first sample, in −π..π.
+    pub phase_start_rad: f64,
+    /// d, in the signal's unit (at the centre if there is drift); 0 if the model has no offset.
+    pub offset: f64,
+    /// Slope, in the signal's unit per second, if asked for.
+    pub drift_per_s: Option<f64>,
+    /// Third harmonic, if asked for.
+    pub third: Option<Harmonic>,
+    /// Fifth harmonic, if asked for.
+    pub fifth: Option<Harmonic>,
+    /// Residual standard deviation √(RSS/(N − k)), k the number of fitted parameters (memo erratum 6).
+    pub rms: f64,
+    /// Periods in the record, ω·N·Ts/2π.
+    pub cycles: f64,
+    /// Samples used.
+    pub samples: usize,
+    /// One standard deviation of each parameter.
+    pub se: SineErrors,
+}
+
+/// A harmonic `A_h·sin(hω(t − t_c) + θ_h)`, t_c the record's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Harmonic {
+    /// A_h, in the signal's unit.
+    pub amplitude: f64,
+    /// θ_h, in −π..π.
+    pub phase_centre_rad: f64,
+}
+
+/// Standard errors: the Cramér–Rao bound of this record at the estimated noise, σ² = RSS/(N − k).
+///
+/// It is the full bound (the inverse Fisher information with all columns of the model), which for records of many
+/// cycles becomes the closed form of [`cramer_rao`]; at one cycle the offset and ω cost more than the closed form says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SineErrors {
+    /// Of the amplitude.
+    pub amplitude: f64,
+    /// Of ω, rad/s; 0 if ω was given.
+    pub omega_rad_s: f64,
+    /// Of the phase at the centre.
+    pub phase_centre_rad: f64,
+    /// Of the phase at the first sample.
+    pub phase_start_rad: f64,
+    /// Of the offset.
+    pub offset: f64,
+}
+
+/// The closed-form Cramér–Rao bound of identification.md section 3 for many cycles of a sine of `amplitude` in white
+/// noise of standard deviation `sigma`, sampled `samples` times every `sample_period_s` seconds:
+/// `var A = 2σ²/N`, `var ω = 24σ²/(A²Ts²N(N²−1))`, `var θ_centre = 2σ²/(A²N)`, `var d = σ²/N`.
+pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f64) -> SineErrors {
+    let n = samples as f64;
+    let relative = sigma / amplitude;
+    let omega = relative / sample_period_s * libm::sqrt(24.0 / (n * (n * n - 1.0)));
+    let phase = relative * libm::sqrt(2.0 / n);
+    let lever = 0.5 * (n - 1.0) * sample_period_s * omega;
+    SineErrors {
+        amplitude: sigma * libm::sqrt(2.0 / n),
+        omega_rad_s: omega,
+        phase_centre_rad: phase,
+        phase_start_rad: libm::sqrt(phase * phase + lever * lever),
+        offset: sigma / libm::sqrt(n),
+    }
+}
+
+/// Wraps an angle to −π..π.
+pub(super) fn wrap(angle: f64) -> f64 {
+    libm::remainder(angle, TAU)
+}
+
+/// What scales the dimensionless solution back to the record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales {
+    /// Signal units per dimensionless unit, > 0.
+    pub signal: f64,
+    /// Signal that was subtracted before.
+    pub reference: f64,
+    /// Seconds per dimensionless unit of time, > 0.
+    pub time_s: f64,
+    /// From the first sample to the centre, in dimensionless time.
+    pub half: f64,
+    /// Samples used.
+    pub samples: usize,
+    /// Whether ω was fitted.
+    pub free: bool,
+}
+
+impl SineFit {
+    /// Scales `point`, found at the dimensionless `omega` (2π/ω in units of time), whose sum of squared residuals is `rss`.
+    pub(super) fn assemble<const N: usize>(
+        model: SineModel,
+        omega: f64,
+        point: &Point<N>,
+        rss: f64,
+        scales: &Scales,
+    ) -> Result<Self, SineError> {
+        let at = |i: usize| point.theta.get(i).copied().unwrap_or(0.0);
+        let amplitude = libm::hypot(at(0), at(1));
+        if amplitude.is_nan() {
+            return Err(SineError::NotFinite);
+        }
+        // Against unit signal power: what is below is the rounding of f64.
+        if amplitude < 1e-14 {
+            return Err(SineError::ZeroSignal);
+        }
+        let parameters = N + usize::from(scales.free);
+        let freedom = scales.samples.saturating_sub(parameters).max(1) as f64;
+        let variance = rss.max(0.0) / freedom;
+        let phase_centre = libm::atan2(at(1), at(0));
+        let (unit_p, unit_q) = (at(0) / amplitude, at(1) / amplitude);
+        let covariance = Covariance {
+            factor: &point.factor,
+            shadow: &point.shadow,
+            omega: if scales.free { 1.0 / point.information } else { 0.0 },
+        };
+        let along = covariance.pair(unit_p, unit_q);
+        let across = covariance.pair(-unit_q / amplitude, unit_p / amplitude);
+        let across_omega = covariance.pair_with_omega(-unit_q / amplitude, unit_p / amplitude);
+        let start = across - 2.0 * scales.half * across_omega + scales.half * scales.half * covariance.omega;
+        let sd = |v: f64| libm::sqrt((variance * v).max(0.0));
+        let span = 2.0 * scales.half * scales.samples as f64 / (scales.samples.saturating_sub(1).max(1)) as f64;
+        let harmonic = |index: Option<usize>| {
+            index.map(|i| Harmonic {
+                amplitude: scales.signal * libm::hypot(at(i), at(i + 1)),
+                phase_centre_rad: libm::atan2(at(i + 1), at(i)),
+            })
+        };
+        let offset = model.offset_index();
+        let fit = Self {
+            amplitude: scales.signal * amplitude,
+            omega_rad_s: omega / scales.time_s,
+            phase_centre_rad: phase_centre,
+            phase_start_rad: wrap(phase_centre - omega * scales.half),
+            offset: offset.map_or(0.0, |i| scales.reference + scales.signal * at(i)),
+            drift_per_s: model.drift_index().map(|i| scales.signal * at(i) / scales.time_s),
+            third: harmonic(model.third_index()),
+            fifth: harmonic(model.fifth_index()),
+            rms: scales.signal * libm::sqrt(variance),
+            cycles: omega * span / TAU,
+            samples: scales.samples,
+            se: SineErrors {
+                amplitude: scales.signal * sd(along),
+                omega_rad_s: sd(covariance.omega) / scales.time_s,
+                phase_centre_rad: sd(across),
+                phase_start_rad: sd(start),
+                offset: offset.map_or(0.0, |i| scales.signal * sd(covariance.variance(i))),
+            },
+        };
+        let finite = fit.amplitude.is_finite()
+            && fit.omega_rad_s.is_finite()
+            && fit.offset.is_finite()
+            && fit.rms.is_finite()
+            && fit.drift_per_s.is_none_or(f64::is_finite);
+        if finite { Ok(fit) } else { Err(SineError::NotFinite) }
+    }
+}
+
+/// Inverse of the information matrix bordered by ω, for unit noise: `G⁻¹ + v·vᵀ/s`, `−v/s`, `1/s`,
+/// v = G⁻¹Xᵀx_ω the shadow and s the information on ω.
+struct Covariance<'a, const N: usize> {
+    factor: &'a Factor<N>,
+    shadow: &'a [f64; N],
+    omega: f64,
+}
+
+impl<const N: usize> Covariance<'_, N> {
+    fn of(&self, direction: &[f64; N]) -> f64 {
+        let shadow = dot(direction, self.shadow);
+        dot(direction, &self.factor.solve(direction)) + shadow * shadow * self.omega
+    }
+    fn direction(p: f64, q: f64) -> [f64; N] {
+        let mut out = [0.0; N];
+        if let [first, second, ..] = out.as_mut_slice() {
+            (*first, *second) = (p, q);
+        }
+        out
+    }
+    fn pair(&self, p: f64, q: f64) -> f64 {
+        self.of(&Self::direction(p, q))
+    }
+    fn pair_with_omega(&self, p: f64, q: f64) -> f64 {
+        -dot(&Self::direction(p, q), self.shadow) * self.omega
+    }
+    fn variance(&self, i: usize) -> f64 {
+        let column = self.factor.inverse_column(i);
+        let shadow = self.shadow.get(i).copied().unwrap_or(0.0);
+        column.get(i).copied().unwrap_or(0.0) + shadow * shadow * self.omega
+    }
+}

@@ -1,0 +1,12 @@
+//! The part of Breakaway that runs on both sides: on the microcontroller and on the host.
+//!
+//! `no_std`, no allocation, no `unsafe`, and no panic on any input. The rooms:
+//! [`scalar`] (f32, f64, fixed point), [`plant`] (the model: base equation and named effects),
+//! [`excite`] (what is applied), [`estimate`] (what is learnt).
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod estimate;
+pub mod excite;
+pub mod plant;
+pub mod scalar;

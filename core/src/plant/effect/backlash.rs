@@ -1,0 +1,71 @@
+//! A load that loses contact at every reversal and is caught again a gap later. The encoder is on the motor side.
+
+use super::{ActsIn, Definition, Law, Memory, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// Backlash: `load μ·b free within a gap ±g/2 of the motor, inelastic contact`.
+#[derive(Clone, Copy, Debug)]
+pub struct Backlash;
+
+impl Law for Backlash {
+    const DEFINITION: Definition = Definition {
+        name: "backlash",
+        title: "Backlash",
+        law: "load μ·b free within a gap ±g/2 of the motor, inelastic contact",
+        acts_in: ActsIn::Mechanics,
+        parameters: &[
+            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.01, 0.03, 0.1, 0.3])),
+            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.2, 0.45])),
+        ],
+        shown_by: "reversals, multisine",
+        confused_with: &["lugre", "dahl", "flexible_coupling"],
+        compensation: None,
+    };
+
+    const THRESHOLD: bool = true;
+
+    const REMEMBERS: bool = true;
+    const FREE_MEMORY: usize = 2;
+
+    // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side).
+    fn inertia<R: Real>(p: &[R], _t: R, memory: &Memory<R>) -> R {
+        if memory[2] == R::ZERO { R::ONE - p[1] } else { R::ONE }
+    }
+
+    fn impact<R: Real>(p: &[R], x: &mut R, v: &mut R, memory: &mut Memory<R>, h: f64) {
+        let half_gap = p[0].scale(0.5);
+        let side = memory[2];
+        if side != R::ZERO {
+            // The load coasts (it has no friction of its own): contact is lost as soon as the motor falls behind.
+            if (*v - memory[1]) * side >= R::ZERO {
+                memory[1] = *v;
+                memory[0] = *x - half_gap * side;
+                return;
+            }
+            memory[2] = R::ZERO;
+        }
+        memory[0] += memory[1].scale(h);
+        let offset = *x - memory[0];
+        if offset.abs() < half_gap {
+            return;
+        }
+        let side = offset.sgn();
+        let closing = (*v - memory[1]) * side;
+        if closing <= R::ZERO {
+            return;
+        }
+        // Inelastic: common velocity by momentum; the part of the sub-step after the impact is redone at it.
+        let common = (R::ONE - p[1]) * *v + p[1] * memory[1];
+        let overlap = offset.abs() - half_gap;
+        let late = (overlap / closing).min(R::from_f64(h));
+        *x += (common - *v) * late;
+        *v = common;
+        memory[0] = *x - half_gap * side;
+        memory[1] = common;
+        memory[2] = side;
+    }
+
+    fn at_rest<R: Real>(_p: &[R], x: R) -> Memory<R> {
+        [x, R::ZERO, R::ZERO]
+    }
+}

@@ -1,0 +1,36 @@
+//! Attraction of the magnets to the slots. The second harmonic is a refinement.
+
+use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use crate::scalar::Real;
+
+/// Cogging (force ripple): `+A·sin(n·x + φ) + A2·sin(2n·x + φ2)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Cogging;
+
+impl Law for Cogging {
+    const DEFINITION: Definition = Definition {
+        name: "cogging",
+        title: "Cogging (force ripple)",
+        law: "+A·sin(n·x + φ) + A2·sin(2n·x + φ2)",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("A", "U", "amplitude", -1e9, 1e9),
+            Parameter::new("n", "1/X", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::Position)),
+            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+            Parameter::new("A2", "U", "amplitude of the second harmonic", -1e9, 1e9).refinement(0.0),
+            Parameter::new("phi2", "rad", "phase of the second harmonic", -1e9, 1e9).search(Search::Phase).refinement(0.0),
+        ],
+        shown_by: "long travel at low speed",
+        confused_with: &["encoder_eccentricity", "time_periodic", "position_friction", "gravity_load"],
+        compensation: Some("feed-forward along the reference"),
+    };
+
+    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+        let angle = p[1] * at.x;
+        let mut force = p[0] * (angle + p[2]).sin();
+        if p[3] != R::ZERO {
+            force += p[3] * (angle + angle + p[4]).sin();
+        }
+        force
+    }
+}

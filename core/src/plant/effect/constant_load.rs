@@ -1,0 +1,27 @@
+//! A bias in the balance of forces. On one axis it is the same effect as direction-asymmetric Coulomb friction.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter};
+use crate::scalar::Real;
+
+/// Constant load: `−f0`.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantLoad;
+
+impl Law for ConstantLoad {
+    const DEFINITION: Definition = Definition {
+        name: "constant_load",
+        title: "Constant load",
+        law: "−f0",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("f0", "U", "load; positive resists positive motion", -1e9, 1e9),
+        ],
+        shown_by: "any record with motion in both directions",
+        confused_with: &[],
+        compensation: Some("feed-forward f0"),
+    };
+
+    fn force<R: Real>(p: &[R], _at: Instant<R>) -> R {
+        -p[0]
+    }
+}

@@ -1,0 +1,27 @@
+//! The drive loses a constant part of every command. Where the drive never changes sign before the velocity does, it looks like Coulomb friction.
+
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// Dead zone of the drive: `u_a = u − d·sgn u, 0 for |u| < d`.
+#[derive(Clone, Copy, Debug)]
+pub struct DeadZone;
+
+impl Law for DeadZone {
+    const DEFINITION: Definition = Definition {
+        name: "dead_zone",
+        title: "Dead zone of the drive",
+        law: "u_a = u − d·sgn u, 0 for |u| < d",
+        acts_in: ActsIn::Drive,
+        parameters: &[
+            Parameter::new("d", "U", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
+        ],
+        shown_by: "small drive",
+        confused_with: &["load_friction", "pwm_dead_time"],
+        compensation: Some("inverse: u + d·sgn u"),
+    };
+
+    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+        (at.u.abs() - p[0]).max(R::ZERO) * at.u.sgn()
+    }
+}

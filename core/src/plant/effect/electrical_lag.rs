@@ -1,0 +1,33 @@
+//! First-order rise of the current.
+
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// Electrical lag: `τ·u̇_a = u − u_a`.
+#[derive(Clone, Copy, Debug)]
+pub struct ElectricalLag;
+
+impl Law for ElectricalLag {
+    const DEFINITION: Definition = Definition {
+        name: "electrical_lag",
+        title: "Electrical lag",
+        law: "τ·u̇_a = u − u_a",
+        acts_in: ActsIn::Drive,
+        parameters: &[
+            Parameter::new("tau", "s", "time constant L/R", 1e-9, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
+        ],
+        shown_by: "switching edges",
+        confused_with: &["delay"],
+        compensation: None,
+    };
+
+    const REMEMBERS: bool = true;
+
+    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
+        let ratio = R::from_f64(h) / p[0];
+        let decay = (-ratio).exp();
+        let error = memory[0] - at.u;
+        memory[0] = at.u + error * decay;
+        at.u + error * ((R::ONE - decay) / ratio)
+    }
+}

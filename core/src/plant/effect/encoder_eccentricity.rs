@@ -1,0 +1,28 @@
+//! The scale is off its centre: the reading errs once per turn; x in radians.
+
+use super::{ActsIn, Definition, Law, Parameter, Search};
+use crate::scalar::Real;
+
+/// Encoder eccentricity: `measured = x + A·sin(x + φ)`.
+#[derive(Clone, Copy, Debug)]
+pub struct EncoderEccentricity;
+
+impl Law for EncoderEccentricity {
+    const DEFINITION: Definition = Definition {
+        name: "encoder_eccentricity",
+        title: "Encoder eccentricity",
+        law: "measured = x + A·sin(x + φ)",
+        acts_in: ActsIn::Sensor,
+        parameters: &[
+            Parameter::new("A", "X", "amplitude", -1e9, 1e9),
+            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+        ],
+        shown_by: "long travel at high speed",
+        confused_with: &["cogging", "gravity_load"],
+        compensation: None,
+    };
+
+    fn sensor<R: Real>(p: &[R], x: R) -> R {
+        p[0] * (x + p[1]).sin()
+    }
+}

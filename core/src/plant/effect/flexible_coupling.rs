@@ -1,0 +1,54 @@
+//! A second inertia behind a shaft or a belt that gives. The encoder is on the motor side.
+
+use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Scale, Search};
+use crate::plant::base::Base;
+use crate::scalar::Real;
+
+/// Flexible coupling: `load μ·b behind spring and damper: ÿ = ωr²·(x − y) + 2ζ·ωr·(ẋ − ẏ)`.
+#[derive(Clone, Copy, Debug)]
+pub struct FlexibleCoupling;
+
+impl Law for FlexibleCoupling {
+    const DEFINITION: Definition = Definition {
+        name: "flexible_coupling",
+        title: "Flexible coupling",
+        law: "load μ·b behind spring and damper: ÿ = ωr²·(x − y) + 2ζ·ωr·(ẋ − ẏ)",
+        acts_in: ActsIn::Mechanics,
+        parameters: &[
+            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.04])),
+            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Grid(Scale::Unit, &[45.0, 70.0, 100.0, 135.0, 175.0, 220.0, 270.0, 330.0, 420.0])),
+            Parameter::new("zeta", "1", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.04])),
+        ],
+        shown_by: "multisine above the resonance",
+        confused_with: &["backlash", "inertia_step", "dahl"],
+        compensation: None,
+    };
+
+    const REMEMBERS: bool = true;
+    const FREE_MEMORY: usize = 2;
+
+    fn inertia<R: Real>(p: &[R], _t: R, _memory: &Memory<R>) -> R {
+        R::ONE - p[0]
+    }
+
+    fn mechanics<R: Real>(p: &[R], base: &Base<R>, mid: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+        // memory: position and velocity of the load; midpoint rule.
+        let half = 0.5 * h;
+        let damping = (p[2] * p[1]).scale(2.0);
+        let y_mid = memory[0] + memory[1].scale(half);
+        let a0 = p[1] * p[1] * (mid.x - memory[0]) + damping * (mid.v - memory[1]);
+        let w_mid = memory[1] + a0.scale(half);
+        let a = p[1] * p[1] * (mid.x - y_mid) + damping * (mid.v - w_mid);
+        memory[0] += w_mid.scale(h);
+        memory[1] += a.scale(h);
+        -(p[0] * base.b * a)
+    }
+
+    fn at_rest<R: Real>(_p: &[R], x: R) -> Memory<R> {
+        [x, R::ZERO, R::ZERO]
+    }
+
+    fn bandwidth(p: &[f64], _base: &Base<f64>) -> f64 {
+        p[1] / libm::sqrt((1.0 - p[0]).max(0.02))
+    }
+}

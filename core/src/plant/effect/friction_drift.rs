@@ -1,0 +1,29 @@
+//! Coulomb friction that changes over the session as grease warms up.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use crate::plant::base::Base;
+use crate::scalar::Real;
+
+/// Friction warm-up: `−s·e^(−t/T)·sgn v`.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionDrift;
+
+impl Law for FrictionDrift {
+    const DEFINITION: Definition = Definition {
+        name: "friction_drift",
+        title: "Friction warm-up",
+        law: "−s·e^(−t/T)·sgn v",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("s", "U", "extra friction when cold", -1e9, 1e9),
+            Parameter::new("T", "s", "time constant of the warm-up", 1e-3, 1e7).search(Search::Grid(Scale::Session, &[0.1, 0.2, 0.4, 0.8])),
+        ],
+        shown_by: "long sessions",
+        confused_with: &["gain_drift"],
+        compensation: None,
+    };
+
+    fn level<R: Real>(p: &[R], _base: &Base<R>, at: Instant<R>) -> R {
+        p[0] * (-(at.t / p[1])).exp()
+    }
+}

@@ -1,0 +1,28 @@
+//! An unbalanced mass on a rotary axis; x in radians.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter, Search};
+use crate::scalar::Real;
+
+/// Gravity load: `+m·sin(x + φ)`.
+#[derive(Clone, Copy, Debug)]
+pub struct GravityLoad;
+
+impl Law for GravityLoad {
+    const DEFINITION: Definition = Definition {
+        name: "gravity_load",
+        title: "Gravity load",
+        law: "+m·sin(x + φ)",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("m", "U", "amplitude", -1e9, 1e9),
+            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+        ],
+        shown_by: "large angles",
+        confused_with: &["cogging"],
+        compensation: Some("feed-forward along the reference"),
+    };
+
+    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+        p[0] * (at.x + p[1]).sin()
+    }
+}

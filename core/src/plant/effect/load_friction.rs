@@ -1,0 +1,28 @@
+//! Friction that grows with the transmitted force: gears, worm and ball screws.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter};
+use crate::plant::base::Base;
+use crate::scalar::Real;
+
+/// Load-dependent friction: `−k·|u|·sgn v`.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadFriction;
+
+impl Law for LoadFriction {
+    const DEFINITION: Definition = Definition {
+        name: "load_friction",
+        title: "Load-dependent friction",
+        law: "−k·|u|·sgn v",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("k", "1", "friction per unit of drive", -1.0, 1.0),
+        ],
+        shown_by: "several levels of drive",
+        confused_with: &["dead_zone"],
+        compensation: Some("feed-forward k·|u|"),
+    };
+
+    fn level<R: Real>(p: &[R], _base: &Base<R>, at: Instant<R>) -> R {
+        p[0] * at.u.abs()
+    }
+}

@@ -1,0 +1,258 @@
+//! The catalogue of named physical effects (discovery.md, "The effects"): one file per effect.
+//!
+//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters, where it acts, what
+//! shows it, what it is confused with) and only the hooks through which it acts. The list at the end of this file is
+//! the catalogue; naming, fitting, reporting and the file format follow from it.
+
+mod definition;
+
+pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
+
+use super::base::Base;
+use crate::scalar::Real;
+
+/// What an effect may depend on, at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant<R> {
+    /// Session time, s.
+    pub t: R,
+    /// Position, position units.
+    pub x: R,
+    /// Velocity, position units/s.
+    pub v: R,
+    /// Drive as it reaches the motor, after the drive-path effects, drive units.
+    pub u: R,
+}
+
+/// The applied drive and its past, zero-order held.
+#[derive(Clone, Copy, Debug)]
+pub struct Held<'a> {
+    /// Drive samples up to and including the present one; never empty.
+    pub u: &'a [f64],
+    /// Sample period, s.
+    pub ts: f64,
+    /// Start of the present sub-step, s after the present sample.
+    pub from_s: f64,
+}
+
+/// Extra state of one effect: bristle, second inertia, filtered drive.
+pub type Memory<R> = [R; 3];
+
+/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence".
+///
+/// `p` holds the parameters in the order of [`Definition::parameters`].
+pub trait Law {
+    /// Name, equation, parameters, evidence.
+    const DEFINITION: Definition;
+
+    /// D: mean drive over the sub-step `h` from the mean drive `at.u` handed on by the effects before it.
+    fn drive<R: Real>(_p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+        at.u
+    }
+    /// F: force added to the right-hand side, in drive units.
+    fn force<R: Real>(_p: &[R], _at: Instant<R>) -> R {
+        R::ZERO
+    }
+    /// F: added to the Coulomb level f1 while sliding, in drive units.
+    fn level<R: Real>(_p: &[R], _base: &Base<R>, _at: Instant<R>) -> R {
+        R::ZERO
+    }
+    /// F: added to the sliding level at v = 0 to give the break-away level, in drive units.
+    fn breakaway<R: Real>(_p: &[R]) -> R {
+        R::ZERO
+    }
+    /// F: factor on the inertia b.
+    fn inertia<R: Real>(_p: &[R], _t: R, _memory: &Memory<R>) -> R {
+        R::ONE
+    }
+    /// M: mean reaction of the extra mechanics on the motor over a sub-step `h` in which the motor moves at
+    /// `mid.v` through `mid.x`; advances the memory.
+    fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
+        R::ZERO
+    }
+    /// Whether the effect remembers: its memory must be brought up to date before a segment.
+    const REMEMBERS: bool = false;
+    /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
+    /// and velocity of a second body. At most 2.
+    const FREE_MEMORY: usize = 0;
+    /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
+    const THRESHOLD: bool = false;
+    /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
+    const BRISTLES: bool = false;
+    /// M: mean bristle force over a sub-step (opposing motion when positive with v) at friction level `level`.
+    fn bristle<R: Real>(_p: &[R], _level: R, _v: R, _memory: &mut Memory<R>, _h: f64) -> R {
+        R::ZERO
+    }
+    /// M: impact at the end of a sub-step: may change velocity and position of the motor.
+    fn impact<R: Real>(_p: &[R], _x: &mut R, _v: &mut R, _memory: &mut Memory<R>, _h: f64) {}
+    /// M: the memory of a body at rest with the motor at position `x`.
+    fn at_rest<R: Real>(_p: &[R], _x: R) -> Memory<R> {
+        [R::ZERO; 3]
+    }
+    /// S: added to the position that the sensor reports.
+    fn sensor<R: Real>(_p: &[R], _x: R) -> R {
+        R::ZERO
+    }
+    /// Highest natural frequency the effect adds, rad/s: sets the sub-step.
+    fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
+        0.0
+    }
+}
+
+/// One effect with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effect<R> {
+    /// Which effect.
+    pub kind: Kind,
+    /// Parameters in the order of its definition; the rest is zero.
+    pub p: [R; MAX_PARAMETERS],
+}
+
+impl<R: Real> Effect<R> {
+    /// The effect with the given parameters; missing ones take their default, or zero.
+    pub fn new(kind: Kind, parameters: &[R]) -> Self {
+        let mut p = [R::ZERO; MAX_PARAMETERS];
+        for (i, slot) in p.iter_mut().enumerate() {
+            if let Some(value) = parameters.get(i) {
+                *slot = *value;
+            } else if let Some(default) = kind.definition().parameters.get(i).and_then(|d| d.default) {
+                *slot = R::from_f64(default);
+            }
+        }
+        Self { kind, p }
+    }
+}
+
+macro_rules! catalogue {
+    ($($module:ident :: $law:ident,)*) => {
+        $(mod $module;)*
+        $(pub use $module::$law;)*
+
+        /// An effect of the catalogue.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Kind {
+            $(#[doc = concat!("See [`", stringify!($law), "`].")] $law,)*
+        }
+
+        impl Kind {
+            /// Every effect, in the order of the catalogue.
+            pub const ALL: &'static [Self] = &[$(Self::$law,)*];
+
+            /// The effect's definition.
+            pub const fn definition(self) -> &'static Definition {
+                match self { $(Self::$law => &<$law as Law>::DEFINITION,)* }
+            }
+            /// Whether friction is carried by bristles.
+            pub const fn bristles(self) -> bool {
+                match self { $(Self::$law => <$law as Law>::BRISTLES,)* }
+            }
+            /// See [`Law::FREE_MEMORY`].
+            pub const fn free_memory(self) -> usize {
+                match self { $(Self::$law => <$law as Law>::FREE_MEMORY,)* }
+            }
+            /// See [`Law::THRESHOLD`].
+            pub const fn threshold(self) -> bool {
+                match self { $(Self::$law => <$law as Law>::THRESHOLD,)* }
+            }
+            /// Whether the effect has a memory that must be brought up to date.
+            pub const fn remembers(self) -> bool {
+                match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
+            }
+            /// See [`Law::bandwidth`].
+            pub fn bandwidth(self, p: &[f64], base: &Base<f64>) -> f64 {
+                match self { $(Self::$law => <$law as Law>::bandwidth(p, base),)* }
+            }
+        }
+
+        impl<R: Real> Effect<R> {
+            /// See [`Law::drive`].
+            #[inline]
+            pub fn drive(&self, at: Instant<R>, past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
+                match self.kind { $(Kind::$law => $law::drive(&self.p, at, past, memory, h),)* }
+            }
+            /// See [`Law::force`].
+            #[inline]
+            pub fn force(&self, at: Instant<R>) -> R {
+                match self.kind { $(Kind::$law => $law::force(&self.p, at),)* }
+            }
+            /// See [`Law::level`].
+            #[inline]
+            pub fn level(&self, base: &Base<R>, at: Instant<R>) -> R {
+                match self.kind { $(Kind::$law => $law::level(&self.p, base, at),)* }
+            }
+            /// See [`Law::breakaway`].
+            #[inline]
+            pub fn breakaway(&self) -> R {
+                match self.kind { $(Kind::$law => $law::breakaway(&self.p),)* }
+            }
+            /// See [`Law::inertia`].
+            #[inline]
+            pub fn inertia(&self, t: R, memory: &Memory<R>) -> R {
+                match self.kind { $(Kind::$law => $law::inertia(&self.p, t, memory),)* }
+            }
+            /// See [`Law::mechanics`].
+            #[inline]
+            pub fn mechanics(&self, base: &Base<R>, mid: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+                match self.kind { $(Kind::$law => $law::mechanics(&self.p, base, mid, memory, h),)* }
+            }
+            /// See [`Law::bristle`].
+            #[inline]
+            pub fn bristle(&self, level: R, v: R, memory: &mut Memory<R>, h: f64) -> R {
+                match self.kind { $(Kind::$law => $law::bristle(&self.p, level, v, memory, h),)* }
+            }
+            /// See [`Law::impact`].
+            #[inline]
+            pub fn impact(&self, x: &mut R, v: &mut R, memory: &mut Memory<R>, h: f64) {
+                match self.kind { $(Kind::$law => $law::impact(&self.p, x, v, memory, h),)* }
+            }
+            /// See [`Law::at_rest`].
+            pub fn at_rest(&self, x: R) -> Memory<R> {
+                match self.kind { $(Kind::$law => $law::at_rest(&self.p, x),)* }
+            }
+            /// See [`Law::sensor`].
+            #[inline]
+            pub fn sensor(&self, x: R) -> R {
+                match self.kind { $(Kind::$law => $law::sensor(&self.p, x),)* }
+            }
+        }
+    };
+}
+
+// The catalogue. Drive-path effects act in this order.
+catalogue! {
+    delay::Delay,
+    electrical_lag::ElectricalLag,
+    dead_zone::DeadZone,
+    saturation::Saturation,
+    pwm_dead_time::PwmDeadTime,
+    gain_drift::GainDrift,
+    constant_load::ConstantLoad,
+    asymmetric_viscous::AsymmetricViscous,
+    quadratic_drag::QuadraticDrag,
+    stribeck::Stribeck,
+    stiction::Stiction,
+    load_friction::LoadFriction,
+    friction_drift::FrictionDrift,
+    position_friction::PositionFriction,
+    cogging::Cogging,
+    gravity_load::GravityLoad,
+    spring::Spring,
+    time_periodic::TimePeriodic,
+    inertia_step::InertiaStep,
+    dahl::Dahl,
+    lugre::LuGre,
+    backlash::Backlash,
+    flexible_coupling::FlexibleCoupling,
+    encoder_eccentricity::EncoderEccentricity,
+}
+
+impl Kind {
+    /// The effect of that catalogue name, e.g. `stribeck`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.definition().name == name)
+    }
+    /// Its catalogue name.
+    pub const fn name(self) -> &'static str {
+        self.definition().name
+    }
+}

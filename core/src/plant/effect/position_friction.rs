@@ -1,0 +1,30 @@
+//! Coulomb friction modulated along the travel, e.g. a bent shaft. Unlike cogging it changes sign with the velocity.
+
+use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use crate::plant::base::Base;
+use crate::scalar::Real;
+
+/// Position-dependent friction: `−f1·k·sin(n·x + φ)·sgn v`.
+#[derive(Clone, Copy, Debug)]
+pub struct PositionFriction;
+
+impl Law for PositionFriction {
+    const DEFINITION: Definition = Definition {
+        name: "position_friction",
+        title: "Position-dependent friction",
+        law: "−f1·k·sin(n·x + φ)·sgn v",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("k", "1", "depth of the modulation", -1.0, 1.0),
+            Parameter::new("n", "1/X", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::PositionAndDirection)),
+            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+        ],
+        shown_by: "long travel in both directions",
+        confused_with: &["cogging"],
+        compensation: Some("feed-forward along the reference"),
+    };
+
+    fn level<R: Real>(p: &[R], base: &Base<R>, at: Instant<R>) -> R {
+        base.f1 * p[0] * (p[1] * at.x + p[2]).sin()
+    }
+}

@@ -1,0 +1,30 @@
+//! A bridge loses the dead time against the direction of the current.
+
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// PWM dead time: `u_a = u − d·sat(i/i0), i = u − Ke·v`.
+#[derive(Clone, Copy, Debug)]
+pub struct PwmDeadTime;
+
+impl Law for PwmDeadTime {
+    const DEFINITION: Definition = Definition {
+        name: "pwm_dead_time",
+        title: "PWM dead time",
+        law: "u_a = u − d·sat(i/i0), i = u − Ke·v",
+        acts_in: ActsIn::Drive,
+        parameters: &[
+            Parameter::new("d", "U", "voltage lost", 0.0, 1e9),
+            Parameter::new("i0", "U", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
+            Parameter::new("Ke", "U·s/X", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
+        ],
+        shown_by: "several levels of drive and speed",
+        confused_with: &["dead_zone"],
+        compensation: Some("inverse: u + d·sat(i/i0)"),
+    };
+
+    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+        let i = (at.u - p[2] * at.v) / p[1];
+        at.u - p[0] * i.min(R::ONE).max(-R::ONE)
+    }
+}

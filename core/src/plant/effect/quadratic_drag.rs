@@ -1,0 +1,27 @@
+//! Drag of a fan, a propeller or a turbulent film.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter};
+use crate::scalar::Real;
+
+/// Quadratic drag: `−k·v·|v|`.
+#[derive(Clone, Copy, Debug)]
+pub struct QuadraticDrag;
+
+impl Law for QuadraticDrag {
+    const DEFINITION: Definition = Definition {
+        name: "quadratic_drag",
+        title: "Quadratic drag",
+        law: "−k·v·|v|",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("k", "U·s²/X²", "drag coefficient", -1e9, 1e9),
+        ],
+        shown_by: "high speed",
+        confused_with: &["stribeck", "saturation"],
+        compensation: Some("feed-forward k·v·|v|"),
+    };
+
+    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+        -(p[0] * at.v * at.v.abs())
+    }
+}

@@ -1,0 +1,28 @@
+//! A spring, a hose or a cable chain.
+
+use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// Spring or cable: `−k·(x − x0)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring;
+
+impl Law for Spring {
+    const DEFINITION: Definition = Definition {
+        name: "spring",
+        title: "Spring or cable",
+        law: "−k·(x − x0)",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("k", "U/X", "stiffness", -1e9, 1e9),
+            Parameter::new("x0", "X", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
+        ],
+        shown_by: "long travel",
+        confused_with: &["constant_load"],
+        compensation: Some("feed-forward along the reference"),
+    };
+
+    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+        -(p[0] * (at.x - p[1]))
+    }
+}

@@ -1,0 +1,29 @@
+//! A higher level at rest than in the slowest sliding.
+
+use super::{ActsIn, Definition, Law, Parameter, Scale, Search};
+use crate::scalar::Real;
+
+/// Stiction: `break-away level f1 + s at rest only`.
+#[derive(Clone, Copy, Debug)]
+pub struct Stiction;
+
+impl Law for Stiction {
+    const DEFINITION: Definition = Definition {
+        name: "stiction",
+        title: "Stiction",
+        law: "break-away level f1 + s at rest only",
+        acts_in: ActsIn::Force,
+        parameters: &[
+            Parameter::new("s", "U", "rise of the level at rest", 0.0, 1e9).search(Search::Grid(Scale::Coulomb, &[0.06, 0.2, 0.6])),
+        ],
+        shown_by: "slow sine through rest, stick phases",
+        confused_with: &["stribeck"],
+        compensation: None,
+    };
+
+    const THRESHOLD: bool = true;
+
+    fn breakaway<R: Real>(p: &[R]) -> R {
+        p[0]
+    }
+}

@@ -1,0 +1,266 @@
+//! Motion of the plant with any effects: fixed sub-steps, an implicit friction law, reversals split where they happen.
+//!
+//! Within a sub-step the smooth forces are taken at its middle (second order) and the viscous term implicitly. Where
+//! the velocity passes zero the sub-step is split there: the body either stays (|force| ≤ break-away level) or goes on
+//! with the opposite friction. On the base plant this agrees with the closed form to O(h³) per step.
+
+use super::base::Base;
+use super::effect::{Effect, Held, Instant, Memory};
+use crate::scalar::Real;
+
+/// Most effects a plant carries at once.
+pub const MAX_EFFECTS: usize = 6;
+
+/// Position and velocity of the motor, and what each effect remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R> {
+    /// True position.
+    pub x: R,
+    /// Velocity.
+    pub v: R,
+    /// Extra state of each effect.
+    pub memory: [Memory<R>; MAX_EFFECTS],
+}
+
+/// The applied drive up to now, held from sample to sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<'a> {
+    /// Samples, the last one being applied now; must not be empty.
+    pub u: &'a [f64],
+    /// Sample period, s.
+    pub ts: f64,
+    /// Session time of the present sample, s.
+    pub t: f64,
+}
+
+/// The base model and its effects.
+#[derive(Clone, Copy, Debug)]
+pub struct Plant<'a, R> {
+    /// Base equation.
+    pub base: Base<R>,
+    /// Effects, at most [`MAX_EFFECTS`]; more are ignored.
+    pub effects: &'a [Effect<R>],
+}
+
+impl<R: Real> Effect<R> {
+    /// The mechanics over a whole sample of `h` seconds in which the motor moves from `at.x` at `at.v`, in sub-steps
+    /// that resolve them; the mean reaction.
+    fn mechanics_in_parts(&self, base: &Base<R>, at: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+        let inertia = Base { b: base.b.to_f64(), c: 0.0, f1: 0.0 };
+        let bandwidth = self.kind.bandwidth(&self.p.map(Real::to_f64), &inertia);
+        let parts = libm::ceil(h * bandwidth / 0.25).clamp(1.0, 8.0);
+        let h_part = h / parts;
+        let mut sum = R::ZERO;
+        for i in 0..parts as usize {
+            let x = at.x + at.v.scale(h_part * (i as f64 + 0.5));
+            sum += self.mechanics(base, Instant { x, ..at }, memory, h_part);
+        }
+        sum.scale(1.0 / parts)
+    }
+}
+
+impl<R: Real> Plant<'_, R> {
+    /// The plant at rest at `x`.
+    pub fn at_rest(&self, x: R) -> State<R> {
+        let mut memory = [[R::ZERO; 3]; MAX_EFFECTS];
+        for (effect, slot) in self.effects.iter().zip(memory.iter_mut()) {
+            *slot = effect.at_rest(x);
+        }
+        State { x, v: R::ZERO, memory }
+    }
+
+    /// Sub-steps of one sample period that resolve the fastest dynamics of the effects.
+    pub fn sub_steps(&self, ts: f64) -> usize {
+        let base = Base { b: self.base.b.to_f64(), c: self.base.c.to_f64(), f1: self.base.f1.to_f64() };
+        let mut fastest = base.c / base.b;
+        for effect in self.effects {
+            fastest = fastest.max(effect.kind.bandwidth(&effect.p.map(Real::to_f64), &base));
+        }
+        (libm::ceil(ts * fastest / 0.25).clamp(1.0, 8.0)) as usize
+    }
+
+    /// What the sensor reports at true position `x`.
+    pub fn measured(&self, x: R) -> R {
+        self.effects.iter().fold(x, |reading, effect| reading + effect.sensor(x))
+    }
+
+    /// Advances one sample period in `n` sub-steps (see [`Self::sub_steps`]).
+    pub fn advance(&self, state: &mut State<R>, drive: Drive<'_>, n: usize) {
+        let h = drive.ts / n as f64;
+        for i in 0..n {
+            let from_s = i as f64 * h;
+            let t = R::from_f64(drive.t + from_s + 0.5 * h);
+            let u = self.effective_drive(state, drive, t, from_s, h);
+            self.sub_step(state, t, u, h);
+        }
+    }
+
+    /// What the effects add to the balance of forces along an imposed motion, in drive units: with position `x`,
+    /// velocity `v` and acceleration `a` at the sample, `b·a + c·v + f1·sgn v − u − (this) = 0` on the true plant.
+    ///
+    /// Advances the memories over the sample period; used also to bring them up to date before a segment in the middle
+    /// of a recording. Sensor effects act on the measured position and are not in it.
+    pub fn effect_force(&self, state: &mut State<R>, drive: Drive<'_>, x: R, v: R, a: R) -> R {
+        let h = drive.ts;
+        let t = R::from_f64(drive.t + 0.5 * drive.ts);
+        state.x = x;
+        state.v = v;
+        let held = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
+        let u = self.effective_drive(state, drive, t, 0.0, drive.ts);
+        let at = Instant { t, x, v, u };
+        let level = self.level(at);
+        let mut force = self.force(at) - held;
+        let mut inertia = R::ONE;
+        let mut bristle = None;
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+            inertia *= effect.inertia(t, memory);
+            if effect.kind.bristles() {
+                bristle = Some(effect.bristle(level, v, memory, h));
+            }
+            force += effect.mechanics_in_parts(&self.base, at, memory, drive.ts);
+            let (mut x_end, mut v_end) = (x + v.scale(h), v);
+            effect.impact(&mut x_end, &mut v_end, memory, h);
+            force += self.base.b * (v_end - v).scale(1.0 / h);
+        }
+        let friction = bristle.unwrap_or(level * v.sgn());
+        force + self.base.f1 * v.sgn() - friction - (inertia - R::ONE) * self.base.b * a
+    }
+
+    fn effective_drive(&self, state: &mut State<R>, drive: Drive<'_>, t: R, from_s: f64, h: f64) -> R {
+        let mut u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
+        let past = Held { u: drive.u, ts: drive.ts, from_s };
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+            u = effect.drive(Instant { t, x: state.x, v: state.v, u }, past, memory, h);
+        }
+        u
+    }
+
+    fn level(&self, at: Instant<R>) -> R {
+        self.effects.iter().fold(self.base.f1, |level, effect| level + effect.level(&self.base, at)).max(R::ZERO)
+    }
+
+    fn force(&self, at: Instant<R>) -> R {
+        self.effects.iter().fold(at.u, |force, effect| force + effect.force(at))
+    }
+
+    fn breakaway(&self, at: Instant<R>) -> R {
+        self.effects.iter().fold(self.level(at), |level, effect| level + effect.breakaway())
+    }
+
+    fn sub_step(&self, state: &mut State<R>, t: R, u: R, h: f64) {
+        if self.effects.iter().any(|effect| effect.kind.remembers()) {
+            return self.sub_step_with_memory(state, t, u, h);
+        }
+        let (x0, v0) = (state.x, state.v);
+        let start = Instant { t, x: x0, v: v0, u };
+        let mut sgn = v0.sgn();
+        if v0 == R::ZERO {
+            let force = self.force(start);
+            if force.abs() <= self.breakaway(start) {
+                return;
+            }
+            sgn = force.sgn();
+        }
+        let b = self.inertia(t, state);
+        let mut mid = start;
+        if !self.effects.is_empty() {
+            // The base's own forces predict the middle: an effect's share in that is of third order.
+            let a0 = (u - self.base.f1 * sgn - self.base.c * v0) / b;
+            mid = Self::middle(start, v0 + a0.scale(0.5 * h), sgn, h);
+        }
+        let net = self.force(mid) - self.level(mid) * sgn;
+        self.finish(state, mid, R::ZERO, b, net, sgn, h);
+    }
+
+    /// As [`Self::sub_step`], for effects with a memory: their reaction is predicted too.
+    fn sub_step_with_memory(&self, state: &mut State<R>, t: R, u: R, h: f64) {
+        let (x0, v0) = (state.x, state.v);
+        let b = self.inertia(t, state);
+        let start = Instant { t, x: x0, v: v0, u };
+        let bristles = self.effects.iter().any(|effect| effect.kind.bristles());
+        let rest = self.force(Instant { v: R::ZERO, ..start });
+        let sgn = if bristles {
+            R::ZERO
+        } else if v0 == R::ZERO {
+            rest.sgn()
+        } else {
+            v0.sgn()
+        };
+        let mut trial = state.memory;
+        let reaction = self.reaction(start, &mut trial, bristles, h);
+        let friction = if bristles { R::ZERO } else { self.level(start) * sgn };
+        let a0 = (self.force(start) + reaction - friction - self.base.c * v0) / b;
+        let mid = Self::middle(start, v0 + a0.scale(0.5 * h), sgn, h);
+        let reaction = self.reaction(mid, &mut state.memory, bristles, h);
+        let stuck =
+            !bristles && v0 == R::ZERO && (rest + reaction).abs() <= self.breakaway(Instant { v: R::ZERO, ..start });
+        if !stuck {
+            let friction = if bristles { R::ZERO } else { self.level(mid) * sgn };
+            self.finish(state, mid, reaction, b, self.force(mid) + reaction - friction, sgn, h);
+        }
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+            effect.impact(&mut state.x, &mut state.v, memory, h);
+        }
+    }
+
+    /// The middle of a sub-step, given the velocity expected there; friction does not carry past zero.
+    fn middle(start: Instant<R>, v_mid: R, sgn: R, h: f64) -> Instant<R> {
+        let v = if v_mid * sgn < R::ZERO { R::ZERO } else { v_mid };
+        Instant { x: start.x + (start.v + v).scale(0.25 * h), v, ..start }
+    }
+
+    fn inertia(&self, t: R, state: &State<R>) -> R {
+        let mut b = self.base.b;
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter()) {
+            b *= effect.inertia(t, memory);
+        }
+        b
+    }
+
+    /// Mean force of bristles and second bodies on the motor over a sub-step; advances their memories.
+    fn reaction(&self, mid: Instant<R>, memory: &mut [Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
+        let level = if bristles { self.level(mid) } else { R::ZERO };
+        let mut sum = R::ZERO;
+        for (effect, slot) in self.effects.iter().zip(memory.iter_mut()) {
+            if effect.kind.bristles() {
+                sum += -effect.bristle(level, mid.v, slot, h);
+            }
+            sum += effect.mechanics(&self.base, mid, slot, h);
+        }
+        sum
+    }
+
+    /// Moves on under the net force; where the velocity would pass zero against `sgn` the sub-step is split.
+    #[allow(clippy::too_many_arguments)]
+    fn finish(&self, state: &mut State<R>, mid: Instant<R>, reaction: R, b: R, net: R, sgn: R, h: f64) {
+        let v0 = state.v;
+        let inertia = b.scale(1.0 / h);
+        let drag = self.base.c.scale(0.5);
+        let v1 = ((inertia - drag) * v0 + net) / (inertia + drag);
+        if v1 * sgn >= R::ZERO {
+            state.x += (v0 + v1).scale(0.5 * h);
+            state.v = v1;
+        } else {
+            self.reverse(state, mid, reaction, b, v1, h);
+        }
+    }
+
+    /// The velocity passes zero within the sub-step: up to there with the old friction, then stick or go on.
+    fn reverse(&self, state: &mut State<R>, mid: Instant<R>, reaction: R, b: R, v1: R, h: f64) {
+        let v0 = state.v;
+        let before = (v0 / (v0 - v1)).scale(h);
+        let after = R::from_f64(h) - before;
+        let x_zero = state.x + (v0 * before).scale(0.5);
+        let at_zero = Instant { x: x_zero, v: R::ZERO, ..mid };
+        let force = self.force(at_zero) + reaction;
+        state.x = x_zero;
+        state.v = R::ZERO;
+        if force.abs() <= self.breakaway(at_zero) || force.sgn() == v0.sgn() {
+            return;
+        }
+        let a = (force - self.level(at_zero) * force.sgn()) / b;
+        let v = a * after / (R::ONE + (self.base.c * after / b).scale(0.5));
+        state.x += (v * after).scale(0.5);
+        state.v = v;
+    }
+}

@@ -1,0 +1,93 @@
+//! The number trait: everything in the core that is not integer arithmetic is generic over [`Real`].
+
+#[cfg(feature = "micromath")]
+pub mod fast;
+mod fixed_point;
+mod float;
+
+pub use fixed_point::Q32;
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A real number as the core needs it: f32, f64, or a fixed-point type.
+///
+/// Operations on fixed-point types saturate; none panics.
+pub trait Real:
+    Copy
+    + Default
+    + PartialOrd
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+{
+    /// Additive identity.
+    const ZERO: Self;
+    /// Multiplicative identity.
+    const ONE: Self;
+
+    /// Nearest representable value; saturates.
+    #[must_use]
+    fn from_f64(value: f64) -> Self;
+    /// The value as f64 (exact for f32 and f64).
+    fn to_f64(self) -> f64;
+    /// False for NaN and infinities; always true in fixed point.
+    fn is_finite(self) -> bool;
+    /// Absolute value.
+    #[must_use]
+    fn abs(self) -> Self;
+    /// Square root; 0 for negative input.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Sine of an angle in radians.
+    #[must_use]
+    fn sin(self) -> Self;
+    /// Cosine of an angle in radians.
+    #[must_use]
+    fn cos(self) -> Self;
+    /// e to the power of self.
+    #[must_use]
+    fn exp(self) -> Self;
+    /// Natural logarithm; the most negative value for input ≤ 0.
+    #[must_use]
+    fn ln(self) -> Self;
+    /// The angle of the point (`x`, `self`), in −π..π.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self;
+
+    /// Multiplied by a plain constant.
+    #[must_use]
+    fn scale(self, factor: f64) -> Self {
+        self * Self::from_f64(factor)
+    }
+    /// −1, 0 or 1; `sgn(0) = 0`, as friction at rest needs it.
+    #[must_use]
+    fn sgn(self) -> Self {
+        if self > Self::ZERO {
+            Self::ONE
+        } else if self < Self::ZERO {
+            -Self::ONE
+        } else {
+            Self::ZERO
+        }
+    }
+    /// The smaller of two.
+    #[must_use]
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+    /// The larger of two.
+    #[must_use]
+    fn max(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+}
