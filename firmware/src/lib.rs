@@ -1,0 +1,10 @@
+//! Breakaway on a microcontroller: what runs there is generic over the traits of [`board`].
+//!
+//! Builds for the host as well, where the same code runs in unit tests.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod board;
