@@ -1,0 +1,190 @@
+//! `breakaway discover`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use sha2::{Digest, Sha256};
+
+use super::output::Output;
+use super::progress;
+use super::recording_args::RecordingArgs;
+use crate::discover::engine::{self, Request};
+use crate::discover::outcome::{Discovery, Provenance};
+use crate::file::write_whole;
+use crate::identify::shooting::Candidate;
+use crate::model::{BaseSe, EffectEntry, Model};
+use crate::recording::Recording;
+use crate::report::{discovery, json};
+
+/// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway discover session/fit/*.csv --holdout session/score/*.csv -o improved.toml --report report.html
+
+Without --model the base model is identified first. Without --holdout the last third of every recording is held out.
+JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.")]
+pub struct Args {
+    /// Recordings of one session, in the order in which they were made
+    #[arg(value_name = "REC", required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Model so far [default: identified]
+    #[arg(long, value_name = "M.toml")]
+    pub model: Option<PathBuf>,
+    /// Recordings that are only scored
+    #[arg(long, value_name = "REC", num_args = 1..)]
+    pub holdout: Vec<PathBuf>,
+    /// Write the improved model to this file
+    #[arg(short, long, value_name = "M2.toml")]
+    pub output: Option<PathBuf>,
+    /// Write the report to this file
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+    /// Columns and rows.
+    #[command(flatten)]
+    pub columns: RecordingArgs,
+}
+
+impl Args {
+    /// Reads, discovers, prints, writes model and report.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written; recordings from which nothing can be identified.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let read = |paths: &[PathBuf]| -> anyhow::Result<Vec<Recording>> {
+            Ok(paths.iter().map(|path| self.columns.read(path)).collect::<Result<_, _>>()?)
+        };
+        let model = self.model.as_deref().map(Model::read).transpose()?;
+        let request = Request {
+            recordings: read(&self.recordings)?,
+            holdout: read(&self.holdout)?,
+            model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
+            provenance: provenance(self.recordings.iter().chain(&self.holdout))?,
+        };
+        let spinner = progress::spinner();
+        let found = engine::discover(&request, &|what| spinner.set_message(what.to_owned()))
+            .with_context(|| self.recordings[0].display().to_string())?;
+        spinner.finish_and_clear();
+        if let Some(path) = &self.output {
+            improved(&found).write(path)?;
+        }
+        if let Some(path) = &self.report {
+            let page = discovery::html(&found);
+            write_whole(path, |out| out.write_all(page.as_bytes()))
+                .with_context(|| format!("cannot write the report {}", path.display()))?;
+        }
+        output.print(&json::Document::from(&found), |_| told(&found))
+    }
+}
+
+/// The improved model as a model file has it.
+pub fn improved(found: &Discovery) -> Model {
+    let [b, c, f1] = found.base_se;
+    let known = |se: f64| se.is_finite().then_some(se);
+    let effects = found.model.effects.iter().zip(&found.model_se).map(|(effect, se)| {
+        let errors: Vec<Option<f64>> = se.iter().map(|se| known(*se)).collect();
+        EffectEntry::of(effect, &errors)
+    });
+    Model {
+        base: found.model.base,
+        base_se: BaseSe { b: known(b), c: known(c), f1: known(f1) },
+        units: found.units.clone(),
+        effects: effects.collect(),
+        provenance: std::iter::once(format!(
+            "discovered by breakaway {}: {}",
+            found.provenance.version,
+            found.verdict.name()
+        ))
+        .chain(found.provenance.inputs.iter().map(|(file, hash)| format!("from {file} sha256 {hash}")))
+        .collect(),
+    }
+}
+
+/// SHA-256 of a file, in hex.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn hash(path: &Path) -> anyhow::Result<String> {
+    let mut file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
+    let mut hasher = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let read = std::io::Read::read(&mut file, &mut buffer)?;
+        if read == 0 {
+            break;
+        }
+        hasher.update(&buffer[..read]);
+    }
+    Ok(hasher.finalize().iter().fold(String::new(), |mut hex, byte| {
+        // Writing to a String cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    }))
+}
+
+fn provenance<'a>(files: impl Iterator<Item = &'a PathBuf>) -> anyhow::Result<Provenance> {
+    Ok(Provenance {
+        inputs: files.map(|path| Ok((path.display().to_string(), hash(path)?))).collect::<anyhow::Result<_>>()?,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        command: std::env::args().collect::<Vec<_>>().join(" "),
+    })
+}
+
+/// The result for people.
+fn told(found: &Discovery) -> String {
+    let mut text = format!("{}\n{}\n", found.verdict.name().replace('_', " "), found.sentence);
+    for effect in &found.effects {
+        let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);
+        for p in &effect.parameters {
+            let _ = writeln!(text, "  {:<8}{:>14.6e} ± {:.1e} {:<10} {}", p.symbol, p.value, p.se, p.unit, p.meaning);
+        }
+        for rival in effect.rivals.iter().filter(|r| r.tied) {
+            let _ = writeln!(text, "  tied with {} (Δ {:.4}, z {:.1})", rival.kind.name(), rival.delta, rival.z);
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\nnoise {:.2e} {}; simulation error (fit, held out, held out open loop over 1 s):",
+        found.noise_floor, found.units.x
+    );
+    for rung in &found.ladder {
+        let names: Vec<&str> = rung.effects.iter().map(|k| k.name()).collect();
+        let name = if names.is_empty() { "base".to_owned() } else { format!("base + {}", names.join(" + ")) };
+        let _ = writeln!(
+            text,
+            "  {name:<44} {:.3e}  {:.3e}  {:.3e}",
+            rung.fit_rmse, rung.holdout_rmse, rung.holdout_open_loop_rmse
+        );
+    }
+    text.push_str("\nwhere the gap lives (share of the residual force explained, before and after):\n");
+    for row in found.where_map.iter().take(5) {
+        let _ = writeln!(text, "  {:<26} {:>5.1} %  {:>5.1} %", row.coordinate, 100.0 * row.r2, 100.0 * row.r2_after);
+    }
+    text.push_str("\ncandidates of the first round:\n");
+    for row in found.candidates.iter().take(8) {
+        let _ = writeln!(
+            text,
+            "  {:<22} Δ {:>8.4}  z {:>6.1}  λ {:>9.0}  {}",
+            row.kind.name(),
+            row.delta,
+            row.z,
+            row.lambda,
+            row.fate
+        );
+    }
+    if let Some(next) = &found.next_experiment {
+        let names: Vec<&str> = next.separates.iter().map(|k| k.name()).collect();
+        let _ = writeln!(
+            text,
+            "\nnext experiment: {} would separate {} (predicted difference {:.1} times the noise)",
+            next.experiment.name,
+            names.join(" and "),
+            next.difference_over_noise
+        );
+    }
+    for remark in &found.remarks {
+        let _ = writeln!(text, "note: {remark}");
+    }
+    let _ = writeln!(text, "{} of {} segments simulated, {:.1} s", found.segments.0, found.segments.1, found.seconds);
+    text
+}

@@ -1,0 +1,183 @@
+//! `breakaway effects`: the catalogue.
+
+use std::fmt::Write as _;
+
+use breakaway_core::plant::Kind;
+use breakaway_core::plant::effect::{ActsIn, Definition, Parameter};
+use serde::Serialize;
+
+use super::UsageError;
+use super::output::Output;
+use crate::model::{known_effects, range};
+use crate::nearest::{did_you_mean, nearest};
+
+/// The catalogue of effects: law, parameters, what shows each, what it is confused with
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway effects
+  breakaway effects stribeck
+
+Units have U for the drive's and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
+(symbol, unit, meaning, min, max, default), shown_by, confused_with, compensation (null where there is none).")]
+pub struct Args {
+    /// One effect, by its name in the catalogue; all of them without it
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document {
+    effects: Vec<Entry>,
+}
+
+#[derive(Debug, Serialize)]
+struct Entry {
+    name: &'static str,
+    title: &'static str,
+    law: &'static str,
+    acts_in: &'static str,
+    parameters: Vec<Quantity>,
+    shown_by: &'static str,
+    confused_with: &'static [&'static str],
+    compensation: Option<&'static str>,
+    #[serde(skip)]
+    definition: &'static Definition,
+}
+
+#[derive(Debug, Serialize)]
+struct Quantity {
+    symbol: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+    min: f64,
+    max: f64,
+    default: Option<f64>,
+}
+
+impl From<&'static Definition> for Entry {
+    fn from(definition: &'static Definition) -> Self {
+        let quantity = |p: &Parameter| Quantity {
+            symbol: p.symbol,
+            unit: p.unit,
+            meaning: p.meaning,
+            min: p.min,
+            max: p.max,
+            default: p.default,
+        };
+        Self {
+            name: definition.name,
+            title: definition.title,
+            law: definition.law,
+            acts_in: match definition.acts_in {
+                ActsIn::Drive => "drive",
+                ActsIn::Force => "force",
+                ActsIn::Mechanics => "mechanics",
+                ActsIn::Sensor => "sensor",
+            },
+            parameters: definition.parameters.iter().map(quantity).collect(),
+            shown_by: definition.shown_by,
+            confused_with: definition.confused_with,
+            compensation: definition.compensation,
+            definition,
+        }
+    }
+}
+
+impl Args {
+    /// Prints the catalogue or one effect of it.
+    ///
+    /// # Errors
+    /// [`UsageError`] with the nearest name, if there is no such effect.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let Some(name) = self.name else {
+            let effects = known_effects().map(Entry::from).collect();
+            return output.print(&Document { effects }, list);
+        };
+        let kind = Kind::from_name(&name).ok_or_else(|| {
+            let near = nearest(&name, known_effects().map(|known| known.name));
+            UsageError(format!("no effect `{name}`{}; `breakaway effects` lists all", did_you_mean(near)))
+        })?;
+        let document = Document { effects: vec![kind.definition().into()] };
+        output.print(&document, |document| document.effects.iter().map(|entry| one(entry.definition)).collect())
+    }
+}
+
+fn list(document: &Document) -> String {
+    let mut text = String::new();
+    for entry in &document.effects {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{:<22}{:<33}{}", entry.name, entry.title, entry.law);
+    }
+    text.push_str("\n`breakaway effects NAME` tells more of one\n");
+    text
+}
+
+fn one(definition: &Definition) -> String {
+    let mut text = format!("{} ({})\n\n", definition.title, definition.name);
+    for (topic, saying) in topics(definition) {
+        let _ = writeln!(text, "{topic:<15}{saying}");
+    }
+    text.push('\n');
+    for parameter in definition.parameters {
+        let [symbol, unit, meaning, range] = row(parameter);
+        let _ = writeln!(text, "{symbol:<8}{unit:<10}{range:<24}{meaning}");
+    }
+    text
+}
+
+fn topics(definition: &Definition) -> [(&'static str, String); 5] {
+    let confused = match definition.confused_with {
+        [] => "nothing in the catalogue".to_owned(),
+        names => names.join(", "),
+    };
+    let place = match definition.acts_in {
+        ActsIn::Drive => "the drive, between what is commanded and what acts",
+        ActsIn::Force => "the balance of forces",
+        ActsIn::Mechanics => "mechanics with a state of its own",
+        ActsIn::Sensor => "the sensor, between the true and the measured position",
+    };
+    [
+        ("law", definition.law.to_owned()),
+        ("acts in", place.to_owned()),
+        ("shown by", definition.shown_by.to_owned()),
+        ("confused with", confused),
+        ("compensation", definition.compensation.unwrap_or("none: a controller cannot cancel it").to_owned()),
+    ]
+}
+
+/// Symbol, unit, meaning, range.
+fn row(parameter: &Parameter) -> [String; 4] {
+    let mut range = range(parameter);
+    if let Some(default) = parameter.default {
+        let _ = write!(range, " (if left out: {default})");
+    }
+    [parameter.symbol.to_owned(), parameter.unit.to_owned(), parameter.meaning.to_owned(), range]
+}
+
+/// The catalogue as a page of documentation: `docs/effects.md`.
+pub fn page() -> String {
+    let mut text = "# The effects\n\n\
+        The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`; effects are named terms on top of it. A law is given as it is added \
+        to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured position. In units, `U` is \
+        the drive's unit and `X` the position's.\n\n\
+        Each is named in a model file as `[[effect]]` with `name` and its parameters by symbol. This page is generated \
+        from the definitions in `core/src/plant/effect`; `breakaway effects NAME` prints the same.\n\n"
+        .to_owned();
+    for definition in known_effects() {
+        let _ = writeln!(text, "- [{}](#{})", definition.title, definition.name);
+    }
+    for definition in known_effects() {
+        let _ = writeln!(text, "\n## {}\n\n{}\n", definition.name, definition.title);
+        for (topic, saying) in topics(definition) {
+            let tick = if topic == "law" { "`" } else { "" };
+            let _ = writeln!(text, "- {topic}: {tick}{saying}{tick}");
+        }
+        text.push_str("\n| symbol | unit | meaning | range |\n|---|---|---|---|\n");
+        for parameter in definition.parameters {
+            let [symbol, unit, meaning, range] = row(parameter);
+            let _ = writeln!(text, "| `{symbol}` | {unit} | {meaning} | {range} |");
+        }
+    }
+    text
+}

@@ -1,0 +1,196 @@
+//! `breakaway identify`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use breakaway_core::plant::Base;
+use serde::Serialize;
+
+use super::output::Output;
+use super::recording_args::RecordingArgs;
+use crate::identify::estimate::{self, Estimate, Identified, Value};
+use crate::model::{BaseSe, EffectEntry, Model};
+use crate::recording::{Recording, Units};
+
+/// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway identify run.csv --time t_s --input u_V --position x_m -o model.toml
+
+JSON: b, c, f1, load (value, se, unit; load null where it is not significant), undetermined (parameter, advice),
+noise (of the position), estimator, estimates (of every estimator), white, residual_correlation, remarks.")]
+pub struct Args {
+    /// Recordings of one session
+    #[arg(value_name = "REC", required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Write the model to this file
+    #[arg(short, long, value_name = "M.toml")]
+    pub output: Option<PathBuf>,
+    /// Columns and rows.
+    #[command(flatten)]
+    pub columns: RecordingArgs,
+}
+
+/// A number with error and unit.
+#[derive(Debug, Serialize)]
+struct Quantity {
+    value: f64,
+    se: f64,
+    unit: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    estimator: &'static str,
+    b: Quantity,
+    c: Quantity,
+    f1: Quantity,
+    load: Option<Quantity>,
+}
+
+#[derive(Debug, Serialize)]
+struct Missing {
+    parameter: &'static str,
+    advice: String,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document {
+    b: Quantity,
+    c: Quantity,
+    f1: Quantity,
+    load: Option<Quantity>,
+    undetermined: Vec<Missing>,
+    noise: f64,
+    estimator: &'static str,
+    estimates: Vec<Row>,
+    white: bool,
+    simulation_error: f64,
+    residual_correlation: f64,
+    remarks: Vec<String>,
+}
+
+impl Row {
+    fn new(estimate: &Estimate, units: &Units) -> Self {
+        let quantity = |value: Value, unit: String| Quantity { value: value.value, se: value.se, unit };
+        Self {
+            estimator: estimate.estimator,
+            b: quantity(estimate.b, units.of_b()),
+            c: quantity(estimate.c, units.of_c()),
+            f1: quantity(estimate.f1, units.of_f1()),
+            load: estimate.load.map(|load| quantity(load, units.of_f1())),
+        }
+    }
+}
+
+impl Document {
+    fn new(result: &Identified, units: &Units) -> Self {
+        let best = Row::new(&result.best, units);
+        Self {
+            b: best.b,
+            c: best.c,
+            f1: best.f1,
+            load: best.load.filter(|_| result.load.is_some()),
+            undetermined: result
+                .undetermined
+                .iter()
+                .map(|u| Missing { parameter: u.parameter, advice: u.advice.clone() })
+                .collect(),
+            noise: result.noise,
+            estimator: best.estimator,
+            estimates: result.estimates.iter().map(|estimate| Row::new(estimate, units)).collect(),
+            white: result.white,
+            simulation_error: result.simulation_error,
+            residual_correlation: result.residual_correlation,
+            remarks: result.remarks.clone(),
+        }
+    }
+}
+
+impl Args {
+    /// Reads the recordings, identifies, prints, writes the model.
+    ///
+    /// # Errors
+    /// A recording that cannot be used; data that determine no model; a model file that cannot be written.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let recordings =
+            self.recordings.iter().map(|path| self.columns.read(path)).collect::<Result<Vec<Recording>, _>>()?;
+        let result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
+        let units = recordings[0].units.clone();
+        if let Some(path) = &self.output {
+            let names: Vec<String> = self.recordings.iter().map(|path| path.display().to_string()).collect();
+            model(&result, &units, &names)?.write(path)?;
+        }
+        output.print(&Document::new(&result, &units), table)
+    }
+}
+
+/// The identified model as a model file has it.
+///
+/// # Errors
+/// An estimate outside the range of a plant.
+pub fn model(result: &Identified, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
+    let best = &result.best;
+    let base = Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
+        .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error:?} is out of range"))?;
+    let effects = result.load.iter().map(|load| EffectEntry {
+        name: "constant_load".into(),
+        parameters: [("f0".to_owned(), load.value)].into(),
+        se: [("f0".to_owned(), load.se)].into(),
+    });
+    Ok(Model {
+        base,
+        base_se: BaseSe { b: Some(best.b.se), c: Some(best.c.se), f1: Some(best.f1.se) },
+        units: units.clone(),
+        effects: effects.collect(),
+        provenance: vec![format!("identified by breakaway {} ({})", env!("CARGO_PKG_VERSION"), best.estimator)]
+            .into_iter()
+            .chain(sources.iter().map(|source| format!("from {source}")))
+            .collect(),
+    })
+}
+
+/// The result for people.
+fn table(document: &Document) -> String {
+    let mut text = String::new();
+    let mut row = |name: &str, quantity: &Quantity| {
+        let percent = 100.0 * (quantity.se / quantity.value).abs();
+        let _ = writeln!(
+            text,
+            "{name:<5}{:>14.6e}  ± {:.1e} ({percent:.2} %)  {}",
+            quantity.value, quantity.se, quantity.unit
+        );
+    };
+    row("b", &document.b);
+    row("c", &document.c);
+    row("f1", &document.f1);
+    match &document.load {
+        Some(load) => row("load", load),
+        None => text.push_str("load  none that is significant\n"),
+    }
+    let _ = writeln!(text, "\nby estimator (reported: {}):", document.estimator);
+    for estimate in &document.estimates {
+        let load = estimate.load.as_ref().map_or_else(String::new, |load| format!("  load {:.4e}", load.value));
+        let _ = writeln!(
+            text,
+            "  {:<19} b {:.5e}  c {:.4e}  f1 {:.4e}{load}",
+            estimate.estimator, estimate.b.value, estimate.c.value, estimate.f1.value
+        );
+    }
+    let _ = writeln!(
+        text,
+        "\nposition noise {:.2e}; simulation error over 0.4 s {:.2e} ({:.1} times the noise)",
+        document.noise,
+        document.simulation_error,
+        document.simulation_error / document.noise
+    );
+    for missing in &document.undetermined {
+        let _ = writeln!(text, "undetermined: {}: {}", missing.parameter, missing.advice);
+    }
+    for remark in &document.remarks {
+        let _ = writeln!(text, "note: {remark}");
+    }
+    text
+}

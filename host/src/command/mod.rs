@@ -1,0 +1,78 @@
+//! The commands: one file each, with its arguments and a `run`.
+//!
+//! A new command is a variant of [`Command`], an arm in [`run`], and its file.
+
+pub mod demo;
+pub mod discover;
+pub mod effects;
+pub mod identify;
+pub mod output;
+pub mod progress;
+pub mod recording_args;
+pub mod run;
+pub mod simulate;
+pub mod sinefit;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use output::Output;
+
+/// Identify, simulate and discover friction in a servo axis.
+#[derive(Debug, Parser)]
+#[command(name = "breakaway", version, propagate_version = true)]
+pub struct Cli {
+    /// Print one JSON document on standard output; everything else goes to standard error
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show the whole story on a simulated axis: relay experiment, sine fit, model
+    Demo(demo::Args),
+    /// Run an experiment, or the standard suite, on the simulated plant
+    Run(run::Args),
+    /// Make a recording from a model, with any effects, and an experiment
+    Simulate(simulate::Args),
+    /// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
+    Discover(discover::Args),
+    /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
+    Identify(identify::Args),
+    /// The catalogue of effects: law, parameters, what shows each, what it is confused with
+    Effects(effects::Args),
+    /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
+    Sinefit(sinefit::Args),
+}
+
+/// A combination of arguments that makes no sense: exit code 2, as for those clap refuses itself.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
+
+/// Runs a command. Exit code 0: done; 1: the work could not be done, the reason is on standard error; 2: wrong usage.
+pub fn run(cli: Cli) -> ExitCode {
+    let output = Output { json: cli.json };
+    let result = match cli.command {
+        Command::Demo(args) => args.run(output),
+        Command::Run(args) => args.run(output),
+        Command::Simulate(args) => args.run(output),
+        Command::Discover(args) => args.run(output),
+        Command::Identify(args) => args.run(output),
+        Command::Effects(args) => args.run(output),
+        Command::Sinefit(args) => args.run(output),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // `{:#}` is the whole chain of causes, on one line.
+            eprintln!("error: {error:#}");
+            ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
+        }
+    }
+}

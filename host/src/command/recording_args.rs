@@ -1,0 +1,92 @@
+//! The arguments of every command that reads recordings.
+
+use std::path::Path;
+
+use clap::Args;
+
+use super::progress;
+use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, open};
+
+/// Columns and rows of a recording; flatten it into a command's arguments.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Recording")]
+pub struct RecordingArgs {
+    /// Column of time in s (`_ms` or `_us` at its end: in that unit) [default: t]
+    #[arg(long, value_name = "COL")]
+    pub time: Option<String>,
+    /// Column of the applied drive [default: u]
+    #[arg(long, value_name = "COL")]
+    pub input: Option<String>,
+    /// Column of the position [default: x]
+    #[arg(long, value_name = "COL")]
+    pub position: Option<String>,
+    /// Sampling rate; time is then counted from the rows, whatever the file says
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    pub fs: Option<f64>,
+    /// Encoder step in position units [default: the file's, or inferred]
+    #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
+    pub encoder_step: Option<f64>,
+    /// Only rows whose column has this value; may be repeated. Where rows fall out, the recording is cut
+    #[arg(long = "where", value_name = "COL=VALUE")]
+    pub select: Vec<Selection>,
+}
+
+impl RecordingArgs {
+    /// The same as options of the reader.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            time: self.time.clone(),
+            input: self.input.clone(),
+            position: self.position.clone(),
+            fs_hz: self.fs,
+            encoder_step: self.encoder_step,
+            select: self.select.clone(),
+        }
+    }
+
+    /// Reads a recording, with progress; what is doubtful about it goes to standard error.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read(&self, path: &Path) -> Result<Recording, RecordingError> {
+        let file = path.display().to_string();
+        let input = progress::reading(open(path)?);
+        let recording = Recording::read_from(&file, input, &self.options())?;
+        for warning in recording.warnings() {
+            eprintln!("warning: {file}: {warning}");
+        }
+        Ok(recording)
+    }
+
+    /// Reads one column of a recording (the position if `None`), with progress.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read_signal(&self, path: &Path, column: Option<&str>) -> Result<Signal, RecordingError> {
+        let file = path.display().to_string();
+        let input = progress::reading(open(path)?);
+        Signal::read_from(&file, input, column, &self.options())
+    }
+}
+
+/// A positive, finite number, for clap.
+///
+/// # Errors
+/// A message for the user.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("expected a positive number".to_owned()),
+    }
+}
+
+/// A finite number, for clap.
+///
+/// # Errors
+/// A message for the user.
+pub fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("expected a number".to_owned()),
+    }
+}

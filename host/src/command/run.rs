@@ -1,0 +1,154 @@
+//! `breakaway run`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use breakaway_core::plant::Base;
+use serde::Serialize;
+
+use super::output::Output;
+use super::progress;
+use super::recording_args::positive;
+use crate::identify::relay::{self, Ending};
+use crate::model::{BaseSe, Model};
+use crate::recording::Units;
+use crate::simulate::axis::Axis;
+use crate::simulate::experiment::{Experiment, Sensor};
+use crate::simulate::suite::{self, Machine, Role};
+
+/// Run an experiment, or the standard suite, on the simulated plant
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway run suite --model model.toml -o session
+  breakaway run relay.toml -o session
+
+Without --model the plant of the papers is taken: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
+the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score.
+
+JSON: breakaway (of a suite), recordings (file, role, samples, ending). A relay run ends settled, asymmetric (period_s,
+omega, amplitude, bias, mean_drive, cycles, tolerance), no_limit_cycle (reason), timeout (cycles, last_change), limit_tripped
+(limit, value), or not_judged (reason: the reference moves); ending.kind says which.")]
+pub struct Args {
+    /// An experiment file, or `suite`
+    #[arg(value_name = "EXPERIMENT")]
+    pub experiment: String,
+    /// The plant to simulate [default: the papers' plant]
+    #[arg(long, value_name = "M.toml")]
+    pub model: Option<PathBuf>,
+    /// Folder for the recordings
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Suite: largest drive, drive units
+    #[arg(long, value_name = "U", default_value_t = 5.0, value_parser = positive)]
+    pub drive_limit: f64,
+    /// Suite: half of the travel, position units
+    #[arg(long, value_name = "X", default_value_t = 5.0, value_parser = positive)]
+    pub travel: f64,
+    /// Suite: encoder step of the simulated axis, position units
+    #[arg(long, value_name = "X", default_value_t = 0.001, value_parser = positive)]
+    pub encoder_step: f64,
+    /// Suite: standard deviation of the position noise, position units
+    #[arg(long, value_name = "X", default_value_t = 0.0005, value_parser = positive)]
+    pub noise: f64,
+    /// Suite: control tick, s
+    #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
+    pub tick: f64,
+    /// Suite: seed of noise and phases
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// The papers' plant, Gp = 10/(s(0.2685s + 1)), f1 = 0.5, f2 = 0.01 lumped into c (identification.md section 1).
+pub fn papers_plant() -> Model {
+    Model {
+        base: Base { b: 0.02685, c: 0.11, f1: 0.5 },
+        base_se: BaseSe::default(),
+        units: Units { u: "V".into(), x: "rad".into() },
+        effects: Vec::new(),
+        provenance: vec!["the plant of the papers".into()],
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Document {
+    breakaway: Option<f64>,
+    recordings: Vec<Entry>,
+    #[serde(skip)]
+    units: Units,
+}
+
+#[derive(Debug, Serialize)]
+struct Entry {
+    file: String,
+    role: &'static str,
+    samples: usize,
+    ending: Option<Ending>,
+}
+
+impl Args {
+    /// Runs, and writes every recording whole.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written; an experiment or a plant that cannot be simulated.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let model = self.model.as_deref().map(Model::read).transpose()?.unwrap_or_else(papers_plant);
+        let mut axis = Axis::new(model.base, &model.plant_effects()?, model.units.clone());
+        let mut breakaway = None;
+        let experiments = if self.experiment == "suite" {
+            let machine = self.machine();
+            let found = suite::breakaway(&axis, &machine)?;
+            breakaway = Some(found);
+            suite::suite(found, &machine)
+        } else {
+            vec![(Role::Fit, Experiment::read(self.experiment.as_ref())?)]
+        };
+        let bar = progress::bar("experiments", experiments.len() as u64);
+        let mut recordings = Vec::new();
+        for (role, experiment) in experiments {
+            let run = axis.run(&experiment).with_context(|| experiment.name.clone())?;
+            let (folder, role) = match (breakaway, role) {
+                (None, _) => (self.output.clone(), "fit"),
+                (_, Role::Fit) => (self.output.join("fit"), "fit"),
+                (_, Role::Score) => (self.output.join("score"), "score"),
+            };
+            std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            let file = folder.join(format!("{}.csv", experiment.name));
+            run.recording.write(&file)?;
+            recordings.push(Entry {
+                file: file.display().to_string(),
+                role,
+                samples: run.recording.t.len(),
+                // The suite knows the axis by its break-away force only, as on a machine.
+                ending: relay::ending(&run, &experiment, Some(breakaway.unwrap_or(model.base.f1))),
+            });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        output.print(&Document { breakaway, recordings, units: model.units }, table)
+    }
+
+    fn machine(&self) -> Machine {
+        Machine {
+            drive_limit: self.drive_limit,
+            travel: self.travel,
+            tick_s: self.tick,
+            sensor: Sensor { encoder_step: self.encoder_step, noise: self.noise, delay_ticks: 0 },
+            seed: self.seed,
+        }
+    }
+}
+
+fn table(document: &Document) -> String {
+    let mut text = String::new();
+    if let Some(force) = document.breakaway {
+        let _ = writeln!(text, "break-away force {force:.4}");
+    }
+    for entry in &document.recordings {
+        let _ = writeln!(text, "{:<6}{:>7} samples  {}", entry.role, entry.samples, entry.file);
+        if let Some(ending) = &entry.ending {
+            let _ = writeln!(text, "      {}", ending.text(&document.units));
+        }
+    }
+    text
+}

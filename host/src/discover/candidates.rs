@@ -1,0 +1,229 @@
+//! Every effect of the catalogue, started from the screen and refitted by simulation (discovery.md, method step 3).
+//!
+//! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
+//! convergence, with a search along parameters that gradients do not find.
+
+use breakaway_core::plant::Kind;
+use breakaway_core::plant::effect::Search;
+use rayon::prelude::*;
+
+use super::data::Data;
+use super::decide::NAMING;
+use super::screen::{Screen, Start};
+use crate::identify::shooting::{Candidate, Fit, Free, Problem, Segment};
+
+/// Share of the segments in the first heat, iterations there, and in the final.
+const FIRST_SHARE: usize = 3;
+const FIRST_ITERATIONS: usize = 5;
+const FINAL_ITERATIONS: usize = 12;
+const LAST_ITERATIONS: usize = 30;
+/// Leaders that go to the final at the least, and the share of the best gain that takes further ones there.
+const LEADERS: usize = 8;
+const CLOSE: f64 = 0.7;
+/// Share of the best gain from which an effect is polished.
+const COMPETITIVE: f64 = 0.4;
+/// Starts simulated per effect, and where the screen is blind to it.
+const STARTS: usize = 2;
+const BLIND_STARTS: usize = 9;
+
+/// What became of an effect of the catalogue in one round.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// Which effect.
+    pub kind: Kind,
+    /// Its refit over all segments, or why there is none.
+    pub fit: Result<Fit, String>,
+}
+
+impl Tried {
+    /// Cost of the refit; infinite if there is none.
+    pub fn cost(&self) -> f64 {
+        self.fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
+    }
+}
+
+/// Why an effect does not come into question beside the model; `None` if it does.
+pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'static str> {
+    if current.effects.iter().any(|e| e.kind == kind) {
+        return Some("already in the model");
+    }
+    let has = |kinds: &[Kind]| current.effects.iter().any(|e| kinds.contains(&e.kind));
+    if kind.bristles() && has(&[Kind::Dahl, Kind::LuGre]) {
+        return Some("the model carries bristle friction already");
+    }
+    if (kind == Kind::LuGre && has(&[Kind::Stribeck])) || (kind == Kind::Stribeck && has(&[Kind::LuGre])) {
+        return Some("LuGre friction has the Stribeck curve in it");
+    }
+    if matches!(kind, Kind::GravityLoad | Kind::EncoderEccentricity) && !rotary {
+        return Some("needs an angle in radians");
+    }
+    None
+}
+
+/// Tries every effect of the catalogue on the residual of `current`.
+pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Vec<Tried> {
+    let part: Vec<usize> = (0..data.fit.len()).step_by(FIRST_SHARE.min(data.fit.len().div_ceil(12).max(1))).collect();
+    let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
+    let heat = Problem { segments: &segments, ..data.problem() };
+    let first: Vec<(Kind, Result<Fit, String>)> = Kind::ALL
+        .par_iter()
+        .with_max_len(1)
+        .map(|&kind| match excluded(kind, &current.candidate, rotary) {
+            Some(reason) => (kind, Err(reason.to_owned())),
+            None => (kind, first_heat(&heat, current, screen, kind)),
+        })
+        .collect();
+    let mse: Vec<f64> = part.iter().map(|i| current.mse[*i]).collect();
+    let without = heat.cost_of(&mse);
+    let mut gains: Vec<(usize, f64)> = first
+        .iter()
+        .enumerate()
+        .filter_map(|(i, (_, fit))| fit.as_ref().ok().map(|fit| (i, without - fit.cost)))
+        .collect();
+    gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let best = gains.first().map_or(0.0, |g| g.1);
+    let finalists: Vec<usize> = gains
+        .iter()
+        .enumerate()
+        .filter(|(rank, (_, gain))| *rank < LEADERS || *gain > CLOSE * best)
+        .map(|(_, (i, _))| *i)
+        .collect();
+    let mut tried: Vec<Tried> = first
+        .into_par_iter()
+        .with_max_len(1)
+        .enumerate()
+        .map(|(i, (kind, fit))| {
+            let fit = fit.and_then(|fit| {
+                if finalists.contains(&i) {
+                    finish(data, &fit)
+                } else {
+                    Err(format!("gains {:.0} of {best:.0} nats in the first heat", without - fit.cost))
+                }
+            });
+            Tried { kind, fit }
+        })
+        .collect();
+    let best = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
+    let competitive = |fit: &Fit| current.cost - fit.cost > COMPETITIVE * (current.cost - best);
+    tried.par_iter_mut().with_max_len(1).for_each(|t| {
+        if let Ok(fit) = &t.fit
+            && competitive(fit)
+        {
+            t.fit = Ok(polished(data, fit.clone()));
+        }
+    });
+    tried
+}
+
+/// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
+/// smoothing of the motion, thresholds), all over the grid.
+fn chosen(kind: Kind, starts: Vec<Start>) -> Vec<Start> {
+    let most = if blind(kind) { BLIND_STARTS } else { STARTS };
+    let step = if blind(kind) { starts.len().div_ceil(most).max(1) } else { 1 };
+    starts.into_iter().step_by(step).take(most).collect()
+}
+
+fn blind(kind: Kind) -> bool {
+    kind.threshold() || kind.free_memory() > 0
+}
+
+fn first_heat(heat: &Problem<'_>, current: &Fit, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
+    let mut reason = "the weak form gives no starting value".to_owned();
+    let mut tries: Vec<Fit> = Vec::new();
+    for start in chosen(kind, screen.starts(kind)) {
+        // The weak form's base is biased where something is missing; the current one lacks the effect. The better one.
+        let bases = [current.candidate.base, start.candidate.base];
+        for &base in if blind(kind) { &bases[..1] } else { &bases[..] } {
+            let candidate = Candidate { base, ..start.candidate.clone() };
+            match heat.fit(&candidate, &Free::all(&candidate.effects), None, 1) {
+                Ok(fit) => tries.push(fit),
+                Err(error) => reason = error.to_string(),
+            }
+        }
+    }
+    tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    tries
+        .into_iter()
+        .take(2)
+        .filter_map(|fit| heat.fit(&fit.candidate, &fit.free, Some(&fit.initial), FIRST_ITERATIONS).ok())
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .ok_or(reason)
+}
+
+/// Over all segments to convergence.
+fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
+    data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|error| error.to_string())
+}
+
+/// Iterated to the end, from its own starts and from the smoothed motion: what is left afterwards is the model's, and a
+/// further effect is not named for finishing the fit.
+pub fn converged(data: &Data, fit: &Fit) -> Fit {
+    let problem = data.problem();
+    [Some(fit.initial.as_slice()), None]
+        .into_iter()
+        .filter_map(|initial| problem.fit(&fit.candidate, &fit.free, initial, LAST_ITERATIONS).ok())
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or_else(|| fit.clone())
+}
+
+/// Form refined, and thresholds searched.
+fn polished(data: &Data, fit: Fit) -> Fit {
+    let problem = data.problem();
+    let last = fit.candidate.effects.len() - 1;
+    let fit = refined(&problem, fit, last);
+    if fit.candidate.effects[last].kind.threshold() { along_thresholds(&problem, fit, last) } else { fit }
+}
+
+/// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are
+/// kept only where they pay for their parameters.
+fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
+    let effect = best.candidate.effects[j];
+    let parameters = effect.kind.definition().parameters;
+    let refinements: Vec<usize> = (0..parameters.len()).filter(|i| parameters[*i].default.is_some()).collect();
+    let Some(&first) = refinements.first() else { return best };
+    let price = 10.0 + NAMING.price * refinements.len() as f64;
+    let phases: &[f64] = if refinements.len() > 1 { &[0.0, 2.0, -2.0] } else { &[0.0] };
+    phases
+        .iter()
+        .filter_map(|phase| {
+            let mut candidate = best.candidate.clone();
+            let p = &mut candidate.effects[j].p;
+            // An amplitude starts at a tenth of the first, an exponent at half its usual value.
+            p[first] = if p[first] == 0.0 { 0.1 * p[0] } else { 0.5 * p[first] };
+            if let Some(second) = refinements.get(1) {
+                p[*second] = *phase;
+            }
+            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&best.initial), FINAL_ITERATIONS).ok()
+        })
+        .filter(|fit| fit.cost < best.cost - price)
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or(best)
+}
+
+/// Coordinate search over the parameters of effect `j` that are on a grid: ratios that shrink, the rest refitted.
+fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
+    let parameters = best.candidate.effects[j].kind.definition().parameters;
+    // A single threshold, at rest, decides by the sample at which the body starts: to a percent and finer.
+    let ratios: &[f64] = if best.free.len() == 4 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
+    for &ratio in ratios {
+        for (i, parameter) in parameters.iter().enumerate() {
+            if !matches!(parameter.search, Search::Grid(..)) || parameter.default.is_some() {
+                continue;
+            }
+            for factor in [ratio, 1.0 / ratio] {
+                // On, as long as it gets better.
+                for _ in 0..4 {
+                    let mut candidate = best.candidate.clone();
+                    candidate.effects[j].p[i] =
+                        (candidate.effects[j].p[i] * factor).clamp(parameter.min, parameter.max);
+                    let others: Vec<Free> = best.free.iter().copied().filter(|f| *f != Free::Effect(j, i)).collect();
+                    match problem.fit(&candidate, &others, Some(&best.initial), 2) {
+                        Ok(fit) if fit.cost < best.cost - 0.5 => best = Fit { free: best.free.clone(), ..fit },
+                        _ => break,
+                    }
+                }
+            }
+        }
+    }
+    problem.fit(&best.candidate, &best.free, Some(&best.initial), 5).unwrap_or(best)
+}

@@ -1,0 +1,75 @@
+//! The recordings of a discovery: what is fitted, what is only scored, and the noise floor.
+
+use crate::identify::shooting::{self, Problem, Segment};
+use crate::identify::track::{self, Track, median};
+use crate::recording::Recording;
+
+/// Length of the segments to fit and to score, s (discovery.md, method step 1).
+pub const FIT_SEGMENT_S: f64 = 0.4;
+/// Windows of the open-loop score, s.
+pub const OPEN_LOOP_S: f64 = 1.0;
+/// Most segments that are simulated; longer sessions are sampled evenly over the session.
+const MAX_FIT_SEGMENTS: usize = 120;
+const MAX_SCORE_SEGMENTS: usize = 80;
+/// Measured motion followed before a segment, s.
+pub const WARM_UP_S: f64 = 0.3;
+
+/// Prepared recordings.
+#[derive(Clone, Debug)]
+pub struct Data {
+    /// All tracks, on one session clock.
+    pub tracks: Vec<Track>,
+    /// Segments to fit.
+    pub fit: Vec<Segment>,
+    /// Held-out segments.
+    pub score: Vec<Segment>,
+    /// Held-out windows of the open-loop score.
+    pub open_loop: Vec<Segment>,
+    /// Noise floor of the position.
+    pub sigma: f64,
+    /// Segments there were before sampling.
+    pub available: usize,
+}
+
+impl Data {
+    /// Prepares recordings. Without `holdout` the last third of every recording is held out.
+    pub fn new(recordings: &[Recording], holdout: &[Recording]) -> Self {
+        let all: Vec<Recording> = recordings.iter().chain(holdout).cloned().collect();
+        let tracks = track::session(&all);
+        let segments = shooting::segments(&tracks, FIT_SEGMENT_S);
+        let open = shooting::segments(&tracks, OPEN_LOOP_S);
+        let held_out = |segment: &Segment| {
+            if holdout.is_empty() {
+                segment.start * 3 >= tracks[segment.track].t.len() * 2
+            } else {
+                segment.track >= recordings.len()
+            }
+        };
+        let within = |segment: &Segment| {
+            // A segment to fit must not reach into the part that is held out.
+            !holdout.is_empty() || (segment.start + segment.len) * 3 <= tracks[segment.track].t.len() * 2
+        };
+        let available = segments.len();
+        let fit = sampled(segments.iter().filter(|s| !held_out(s) && within(s)), MAX_FIT_SEGMENTS);
+        let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
+        let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
+        let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
+        Self { tracks, fit, score, open_loop, sigma, available }
+    }
+
+    /// The fitting problem.
+    pub fn problem(&self) -> Problem<'_> {
+        Problem { tracks: &self.tracks, segments: &self.fit, sigma: self.sigma, warm_up_s: WARM_UP_S }
+    }
+
+    /// The same over other segments.
+    pub fn over<'a>(&'a self, segments: &'a [Segment]) -> Problem<'a> {
+        Problem { segments, ..self.problem() }
+    }
+}
+
+/// At most `most` of the segments, evenly taken.
+fn sampled<'a>(segments: impl Iterator<Item = &'a Segment>, most: usize) -> Vec<Segment> {
+    let all: Vec<Segment> = segments.copied().collect();
+    if all.len() <= most { all } else { (0..most).map(|i| all[i * all.len() / most]).collect() }
+}

@@ -1,0 +1,53 @@
+//! The decision on paired segments (discovery.md, method step 4).
+
+/// Thresholds of naming, calibrated on clean seeds (docs/blind.md).
+#[derive(Clone, Copy, Debug)]
+pub struct Thresholds {
+    /// Least mean of log(σ² + mse_without) − log(σ² + mse_with).
+    pub delta: f64,
+    /// Least z of that.
+    pub z: f64,
+    /// Least effective log-likelihood ratio after the price.
+    pub lambda: f64,
+    /// Price of one parameter.
+    pub price: f64,
+}
+
+/// The calibrated ones.
+pub const NAMING: Thresholds = Thresholds { delta: 0.01, z: 2.0, lambda: 25.0, price: 3.5 };
+/// Those of every further effect: a fit that nearly explains a record leaves outliers, which any flexible effect thins.
+pub const FURTHER: Thresholds = Thresholds { delta: 0.05, ..NAMING };
+/// Two models are tied while the z of their paired difference is below this.
+pub const TIED_Z: f64 = 2.5;
+
+/// The comparison of two models over the same segments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paired {
+    /// Mean of log(σ² + mse_a) − log(σ² + mse_b): positive in favour of b.
+    pub delta: f64,
+    /// Its z score.
+    pub z: f64,
+    /// Effective log-likelihood ratio, without its two best segments.
+    pub lambda: f64,
+}
+
+/// Compares model `a` with model `b`; `samples` holds every segment's effective number of samples under `b`.
+pub fn paired(a: &[f64], b: &[f64], samples: &[f64], sigma: f64) -> Paired {
+    let floor = sigma * sigma;
+    let n = a.len().max(1) as f64;
+    let gains: Vec<f64> = a.iter().zip(b).map(|(a, b)| (floor + a).ln() - (floor + b).ln()).collect();
+    let delta = gains.iter().sum::<f64>() / n;
+    let variance = gains.iter().map(|g| (g - delta).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let z = delta / (variance / n).sqrt().max(1e-300);
+    let mut shares: Vec<f64> = gains.iter().zip(samples).map(|(g, m)| 0.5 * g * m).collect();
+    shares.sort_by(f64::total_cmp);
+    let kept = shares.len().saturating_sub(2);
+    Paired { delta, z, lambda: shares[..kept].iter().sum() }
+}
+
+impl Paired {
+    /// Whether `b`, which costs `parameters` more, may be named.
+    pub fn names(&self, parameters: usize, t: &Thresholds) -> bool {
+        self.delta >= t.delta && self.z >= t.z && self.lambda - t.price * parameters as f64 >= t.lambda
+    }
+}

@@ -1,0 +1,11 @@
+//! Discovery: where simulation and measurement disagree, what is missing, and whether adding it closes the gap.
+
+pub mod candidates;
+pub mod data;
+pub mod decide;
+pub mod engine;
+pub mod next_experiment;
+pub mod outcome;
+pub mod screen;
+mod spectrum;
+pub mod where_map;

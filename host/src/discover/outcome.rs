@@ -1,0 +1,196 @@
+//! The result of a discovery, as report and JSON show it.
+
+use breakaway_core::plant::{Base, Kind};
+
+use crate::identify::shooting::Candidate;
+use crate::recording::Units;
+use crate::simulate::experiment::Experiment;
+
+/// The four verdicts (discovery.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Effects are named, and the held-out error is down to the noise floor.
+    Explained,
+    /// Effects are named, and something else remains.
+    PartlyExplained,
+    /// The gap is real, and no effect of the catalogue explains it.
+    Unknown,
+    /// The gap is within the noise.
+    NothingMissing,
+}
+
+impl Verdict {
+    /// The contract's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Explained => "explained",
+            Self::PartlyExplained => "partly_explained",
+            Self::Unknown => "unknown",
+            Self::NothingMissing => "nothing_missing",
+        }
+    }
+}
+
+/// A fitted parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterValue {
+    /// Symbol.
+    pub symbol: &'static str,
+    /// Unit, written out.
+    pub unit: String,
+    /// What it is.
+    pub meaning: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Standard error; NaN where the parameter is held.
+    pub se: f64,
+}
+
+/// Another effect that explains the same gap, or nearly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rival {
+    /// Which effect.
+    pub kind: Kind,
+    /// Mean over the segments of log(σ² + mse_rival) − log(σ² + mse_named); > 0 in favour of the named one.
+    pub delta: f64,
+    /// Its z score over paired segments.
+    pub z: f64,
+    /// Whether these recordings cannot tell it from the named effect.
+    pub tied: bool,
+}
+
+/// An effect that was added.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedEffect {
+    /// Which.
+    pub kind: Kind,
+    /// Its parameters.
+    pub parameters: Vec<ParameterValue>,
+    /// Its rivals, the closest first.
+    pub rivals: Vec<Rival>,
+}
+
+/// One step of the ladder: base, base + effect 1, base + effect 1 + effect 2, …
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rung {
+    /// Effects of this model.
+    pub effects: Vec<Kind>,
+    /// Base parameters of this model.
+    pub base: Base<f64>,
+    /// Simulation error over 0.4-s segments that were fitted, position units.
+    pub fit_rmse: f64,
+    /// The same over held-out segments of 0.4 s (initial states fitted).
+    pub holdout_rmse: f64,
+    /// Held-out simulation error over windows of 1 s started from the measured state.
+    pub holdout_open_loop_rmse: f64,
+}
+
+/// A coordinate over which the residual force is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WhereRow {
+    /// Name, e.g. `velocity`, `position`, `position × direction`, `time since reversal`.
+    pub coordinate: &'static str,
+    /// Unit of the coordinate.
+    pub unit: String,
+    /// Block-cross-validated share of the base model's residual force explained by averages over this coordinate.
+    pub r2: f64,
+    /// The same for the residual of the final model.
+    pub r2_after: f64,
+    /// Binned mean of the base model's residual force: centre, mean, standard error (drive units).
+    pub curve: Vec<[f64; 3]>,
+    /// The same for the final model.
+    pub curve_after: Vec<[f64; 3]>,
+}
+
+/// One candidate of the first round.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CandidateRow {
+    /// Which effect.
+    pub kind: Kind,
+    /// Mean paired improvement of log(σ² + mse) over the base.
+    pub delta: f64,
+    /// Its z score.
+    pub z: f64,
+    /// Effective log-likelihood ratio, trimmed.
+    pub lambda: f64,
+    /// What became of it, in a sentence: named, tied, or why it lost or could not be fitted.
+    pub fate: String,
+}
+
+/// Measured and simulated, for a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlay {
+    /// Recording and time span.
+    pub title: String,
+    /// Time, s.
+    pub t: Vec<f64>,
+    /// Measured position.
+    pub measured: Vec<f64>,
+    /// Base model.
+    pub before: Vec<f64>,
+    /// Final model; empty if nothing was added.
+    pub after: Vec<f64>,
+    /// Drive.
+    pub u: Vec<f64>,
+}
+
+/// The experiment that would decide, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NextExperiment {
+    /// The experiment; `breakaway run` takes it.
+    pub experiment: Experiment,
+    /// The effects it separates.
+    pub separates: Vec<Kind>,
+    /// Predicted root mean square difference of the two models over the noise.
+    pub difference_over_noise: f64,
+}
+
+/// Where it all comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Input files and their SHA-256.
+    pub inputs: Vec<(String, String)>,
+    /// Version of this program.
+    pub version: String,
+    /// The command line.
+    pub command: String,
+}
+
+/// Everything a discovery found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discovery {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// The verdict in one sentence.
+    pub sentence: String,
+    /// Effects that were added, in order.
+    pub effects: Vec<NamedEffect>,
+    /// The ladder, the base first.
+    pub ladder: Vec<Rung>,
+    /// The final model: base and all its effects, those it was given included.
+    pub model: Candidate,
+    /// Standard errors of the final model's effect parameters, in their order; NaN where held.
+    pub model_se: Vec<Vec<f64>>,
+    /// Standard errors of the final model's b, c, f1.
+    pub base_se: [f64; 3],
+    /// Position noise, position units.
+    pub noise_floor: f64,
+    /// Where the gap lives, the strongest coordinate first.
+    pub where_map: Vec<WhereRow>,
+    /// The candidates of the first round, the best first.
+    pub candidates: Vec<CandidateRow>,
+    /// Before and after, on held-out data.
+    pub overlays: Vec<Overlay>,
+    /// The experiment that would decide between tied effects.
+    pub next_experiment: Option<NextExperiment>,
+    /// What the data cannot tell, and problems of the recordings.
+    pub remarks: Vec<String>,
+    /// Units.
+    pub units: Units,
+    /// Segments simulated, and segments there are.
+    pub segments: (usize, usize),
+    /// Time taken, s.
+    pub seconds: f64,
+    /// Inputs, version, command.
+    pub provenance: Provenance,
+}

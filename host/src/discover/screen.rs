@@ -1,0 +1,288 @@
+//! The screen in weak form: starting values of every effect (discovery.md, method step 2). It never decides.
+//!
+//! Whatever an effect is, the core gives the force it adds along the measured motion. That force, integrated against
+//! the windows' test function, is a column (its amplitudes), or a change of the right-hand side (the parameters on a
+//! grid) of the weak form; wave numbers come from the spectrum of the residual force.
+
+use breakaway_core::plant::effect::{ActsIn, Parameter, Scale, Search};
+use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant};
+use nalgebra::{DMatrix, DVector};
+
+use super::data::{Data, WARM_UP_S};
+use super::spectrum;
+use crate::identify::shooting::{Candidate, Segment};
+use crate::identify::track::{Track, median};
+use crate::identify::weak::{self, Window};
+
+/// Grid points per effect; beyond that the product of the grids is thinned.
+const MAX_GRID: usize = 36;
+
+/// A starting point of an effect.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Model to start from: base, effects so far, and the new effect last.
+    pub candidate: Candidate,
+    /// Residual sum of squares of the weak form over that of the model without the effect.
+    pub ratio: f64,
+}
+
+/// The screen on the residual of a model.
+#[derive(Debug)]
+pub struct Screen<'a> {
+    data: &'a Data,
+    windows: Vec<Window>,
+    current: Candidate,
+    /// Weak columns of the base, and the right-hand side less the effects so far.
+    columns: DMatrix<f64>,
+    target: DVector<f64>,
+    residual: DVector<f64>,
+    square: f64,
+    stroke: f64,
+}
+
+impl<'a> Screen<'a> {
+    /// Prepares the screen; `None` where the data hold too little motion.
+    pub fn new(data: &'a Data, current: &Candidate) -> Option<Self> {
+        let windows: Vec<Window> = weak::windows(&data.tracks)
+            .into_iter()
+            .filter(|w| data.fit.iter().any(|s| s.track == w.track && inside(s, w)))
+            .collect();
+        let (all, mut target) = weak::base_columns(&windows);
+        let columns = all.columns(0, 3).into_owned();
+        let mut screen = Self {
+            data,
+            windows,
+            current: current.clone(),
+            columns,
+            target: target.clone(),
+            residual: DVector::zeros(0),
+            square: 0.0,
+            stroke: stroke(data),
+        };
+        for effect in &current.effects {
+            target += screen.effect_column(current.base, effect);
+        }
+        let fit = weak::solve(&screen.columns, &target)?;
+        screen.target = target;
+        screen.square = fit.residual.norm_squared();
+        screen.residual = fit.residual;
+        Some(screen)
+    }
+
+    /// Windows used.
+    pub fn windows(&self) -> &[Window] {
+        &self.windows
+    }
+
+    /// Residual force of every window: right-hand side minus what the model explains.
+    pub fn residual_force(&self) -> Vec<f64> {
+        self.residual.iter().zip(&self.windows).map(|(r, w)| r / w.unit).collect()
+    }
+
+    /// ∫φ·(force of the effect) in every window. On the measured motion.
+    fn effect_column(&self, base: Base<f64>, effect: &Effect<f64>) -> DVector<f64> {
+        if effect.kind.definition().acts_in == ActsIn::Sensor {
+            // x = measured − δ: b·ẍ + c·ẋ gains −b·δ̈ − c·δ̇ on the left.
+            let column = self.windows.iter().map(|w| {
+                let track = &self.data.tracks[w.track];
+                let (second, first) = w.derivatives(|k| effect.sensor(track.xs[k]));
+                base.b * second + base.c * first
+            });
+            return DVector::from_iterator(self.windows.len(), column);
+        }
+        let plant = Plant { base, effects: std::slice::from_ref(effect) };
+        let mut forces: Vec<Vec<f64>> = self.data.tracks.iter().map(|t| vec![0.0; t.t.len()]).collect();
+        for segment in &self.data.fit {
+            force_along(&plant, &self.data.tracks[segment.track], segment, &mut forces[segment.track]);
+        }
+        let column = self.windows.iter().map(|w| w.held_integral(|k| forces[w.track][k]));
+        DVector::from_iterator(self.windows.len(), column)
+    }
+
+    /// Starting points of an effect, the best first.
+    pub fn starts(&self, kind: Kind) -> Vec<Start> {
+        let mut starts: Vec<Start> = self
+            .grid(kind)
+            .into_iter()
+            .filter_map(|values| self.start(kind, &values))
+            .filter(|start| start.ratio.is_finite())
+            .collect();
+        starts.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        starts
+    }
+
+    /// One grid point: amplitudes by least squares.
+    fn start(&self, kind: Kind, values: &[Option<f64>]) -> Option<Start> {
+        let base = self.current.base;
+        let parameters = kind.definition().parameters;
+        let mut effect = Effect::new(kind, &[]);
+        for (i, value) in values.iter().enumerate() {
+            if let Some(value) = value {
+                effect.p[i] = *value;
+            }
+        }
+        // (amplitude, its phase) by index.
+        let amplitudes: Vec<(usize, Option<usize>)> = parameters
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| p.default.is_none() && p.search == Search::Amplitude)
+            .map(|(i, _)| (i, phase_of(parameters, i)))
+            .collect();
+        let n = self.windows.len();
+        let unit = 0.02 * base.f1.max(1e-9);
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        let mut target = self.target.clone();
+        let zero = amplitudes.iter().fold(effect, |mut e, (i, _)| {
+            e.p[*i] = 0.0;
+            e
+        });
+        if amplitudes.is_empty() {
+            target += self.effect_column(base, &effect);
+        }
+        for (i, phase) in &amplitudes {
+            // The force is linear in an amplitude, but some amplitudes are not forces: a small trial value.
+            let trial = trial_value(&parameters[*i], unit);
+            let angles: &[f64] = if phase.is_some() { &[0.0, std::f64::consts::FRAC_PI_2] } else { &[0.0] };
+            for angle in angles {
+                let mut e = zero;
+                e.p[*i] = trial;
+                if let Some(j) = phase {
+                    e.p[*j] = *angle;
+                }
+                columns.push(self.effect_column(base, &e) / trial);
+            }
+        }
+        let p = 3 + columns.len();
+        let matrix = DMatrix::from_fn(n, p, |i, j| if j < 3 { self.columns[(i, j)] } else { -columns[j - 3][i] });
+        let fit = weak::solve(&matrix, &target)?;
+        let mut at = 3;
+        for (i, phase) in &amplitudes {
+            if let Some(j) = phase {
+                let (sine, cosine) = (fit.coefficients[at], fit.coefficients[at + 1]);
+                effect.p[*i] = sine.hypot(cosine);
+                effect.p[*j] = cosine.atan2(sine);
+                at += 2;
+            } else {
+                effect.p[*i] = fit.coefficients[at];
+                at += 1;
+            }
+        }
+        for (i, parameter) in parameters.iter().enumerate() {
+            effect.p[i] = effect.p[i].clamp(parameter.min, parameter.max);
+        }
+        let mut effects = self.current.effects.clone();
+        effects.push(effect);
+        let fitted = Base {
+            b: fit.coefficients[0],
+            c: fit.coefficients[1].max(0.0),
+            f1: fit.coefficients[2].max(1e-3 * base.f1),
+        };
+        // The weak form's base is a starting value only where it is a plant at all.
+        let base = if fitted.b > 0.2 * base.b && fitted.b < 5.0 * base.b { fitted } else { base };
+        Some(Start { candidate: Candidate { base, effects }, ratio: fit.residual.norm_squared() / self.square })
+    }
+
+    /// The product of the grids of an effect; `None` in a place means that least squares or a default gives it.
+    fn grid(&self, kind: Kind) -> Vec<Vec<Option<f64>>> {
+        let mut points: Vec<Vec<Option<f64>>> = vec![Vec::new()];
+        for parameter in kind.definition().parameters {
+            let values: Vec<Option<f64>> = match parameter.search {
+                _ if parameter.default.is_some() => vec![None],
+                Search::Amplitude | Search::Phase => vec![None],
+                Search::Grid(scale, multiples) => {
+                    let unit = self.scale(scale);
+                    let values = multiples.iter().map(|m| (m * unit).clamp(parameter.min, parameter.max));
+                    values
+                        .map(|value| Some(if scale == Scale::Session { self.session_start() + value } else { value }))
+                        .collect()
+                }
+                Search::Spectrum(over) => {
+                    spectrum::peaks(&self.data.tracks, &self.windows, &self.residual_force(), over)
+                        .into_iter()
+                        .map(Some)
+                        .collect()
+                }
+            };
+            points = points
+                .into_iter()
+                .flat_map(|point| {
+                    values.iter().map(move |value| {
+                        let mut longer = point.clone();
+                        longer.push(*value);
+                        longer
+                    })
+                })
+                .collect();
+        }
+        let step = points.len().div_ceil(MAX_GRID).max(1);
+        points.into_iter().step_by(step).collect()
+    }
+
+    fn session_start(&self) -> f64 {
+        self.data.tracks.first().and_then(|t| t.t.first()).copied().unwrap_or(0.0)
+    }
+
+    fn scale(&self, scale: Scale) -> f64 {
+        let base = &self.current.base;
+        let tracks = &self.data.tracks;
+        match scale {
+            Scale::Unit => 1.0,
+            Scale::Speed => {
+                let squares: f64 = self.windows.iter().map(|w| tracks[w.track].vs[w.centre].powi(2)).sum();
+                (squares / self.windows.len().max(1) as f64).sqrt().max(1e-12)
+            }
+            Scale::Drive => tracks.iter().flat_map(|t| &t.u).fold(0.0, |m: f64, u| m.max(u.abs())),
+            Scale::Coulomb => base.f1,
+            Scale::Viscous => base.c,
+            Scale::Session => tracks.last().and_then(|t| t.t.last()).copied().unwrap_or(1.0) - self.session_start(),
+            Scale::Presliding => base.f1 / self.stroke,
+            Scale::Stroke => self.stroke,
+            Scale::Extent => tracks.iter().flat_map(|t| &t.xs).fold(0.0, |m: f64, x| m.max(x.abs())),
+            Scale::BristleDamping => 2.0 * (30.0 * base.f1 / self.stroke * base.b).sqrt(),
+        }
+    }
+}
+
+/// Typical travel within a segment.
+fn stroke(data: &Data) -> f64 {
+    let travels = data.fit.iter().map(|s| {
+        let x = &data.tracks[s.track].xs[s.start..s.start + s.len];
+        x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
+    });
+    median(travels.collect()).max(data.sigma)
+}
+
+fn inside(segment: &Segment, window: &Window) -> bool {
+    segment.start <= window.first && window.first + window.weights.len() < segment.start + segment.len
+}
+
+/// The phase that belongs to amplitude `i`: the next phase that is fitted, before another amplitude.
+fn phase_of(parameters: &[Parameter], i: usize) -> Option<usize> {
+    (i + 1..parameters.len())
+        .take_while(|j| parameters[*j].default.is_none() && parameters[*j].search != Search::Amplitude)
+        .find(|j| parameters[*j].search == Search::Phase)
+}
+
+/// A trial value at which the force is still proportional to the amplitude.
+fn trial_value(parameter: &Parameter, force: f64) -> f64 {
+    match parameter.unit {
+        "1" => 0.01_f64.min(parameter.max),
+        "1/s" => 1e-4,
+        "X" => 1e-6,
+        _ => force,
+    }
+}
+
+/// The force of the plant's effects along the measured motion of a segment.
+fn force_along(plant: &Plant<'_, f64>, track: &Track, segment: &Segment, forces: &mut [f64]) {
+    let remembers = plant.effects.iter().any(|effect| effect.kind.remembers());
+    let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
+    let warm_up = if remembers { (WARM_UP_S / track.ts) as usize } else { 0 };
+    let first = segment.start.saturating_sub(warm_up).max(track.pieces[piece]);
+    let mut state = plant.at_rest(track.xs[first]);
+    let range = first..segment.start + segment.len;
+    for (k, force) in range.clone().zip(&mut forces[range]) {
+        let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
+        *force = plant.effect_force(&mut state, drive, track.xs[k], track.vs[k], track.acceleration[k]);
+    }
+}

@@ -1,0 +1,110 @@
+//! Wave numbers and frequencies of the residual force.
+
+use breakaway_core::plant::effect::Over;
+
+use crate::identify::track::Track;
+use crate::identify::weak::Window;
+
+/// Peaks handed on.
+const PEAKS: usize = 3;
+/// Windows looked at: more are thinned.
+const MAX_WINDOWS: usize = 1500;
+/// Wave numbers tried at the most.
+const MAX_LINES: usize = 8000;
+/// Standard deviation of the windows' test function as a density, s: `20 ms·√(I2/I0)`.
+const WINDOW_S: f64 = 0.006;
+
+/// Share of the force's sum of squares `total` that its strongest line takes, less what chance gives the best of many.
+pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over: Over, total: f64) -> f64 {
+    let points = points(tracks, windows, force, over);
+    let best = peaks(tracks, windows, force, over).first().map_or(0.0, |n| line_power(&points, *n));
+    let scale = force.len() as f64 / points.len().max(1) as f64;
+    let chance = 2.0 * (MAX_LINES as f64).ln() / points.len().max(1) as f64;
+    (best * scale / total.max(f64::MIN_POSITIVE) - chance).clamp(0.0, 1.0)
+}
+
+/// The strongest wave numbers (or angular frequencies) of the residual force, the strongest first.
+pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<f64> {
+    let points = points(tracks, windows, force, over);
+    let low = points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
+    let span = high - low;
+    if !(span > 0.0 && span.is_finite()) {
+        return Vec::new();
+    }
+    let spacing = std::f64::consts::TAU / span * 0.25;
+    let fastest = if over == Over::Time {
+        200.0
+    } else {
+        // Beyond this the ripple passes within a window even in the slowest parts of the motion.
+        let mut speeds: Vec<f64> = points.iter().map(|p| p[2].abs()).collect();
+        speeds.sort_by(f64::total_cmp);
+        1.5 / (WINDOW_S * speeds[speeds.len() / 32].max(1e-12))
+    };
+    let lines = ((fastest / spacing) as usize).clamp(8, MAX_LINES);
+    let mut power: Vec<f64> = (1..=lines).map(|i| line_power(&points, i as f64 * spacing)).collect();
+    let mut found = Vec::new();
+    for _ in 0..PEAKS {
+        let Some((i, _)) = power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+        if power[i] <= 0.0 {
+            break;
+        }
+        found.push(polish(&points, (i + 1) as f64 * spacing, spacing));
+        // The main lobe is eight lines wide at a quarter of the resolution.
+        for slot in power.iter_mut().take(i + 5).skip(i.saturating_sub(4)) {
+            *slot = 0.0;
+        }
+    }
+    found
+}
+
+/// Coordinate, force and speed of the coordinate at a part of the windows.
+fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<[f64; 3]> {
+    let step = windows.len().div_ceil(MAX_WINDOWS).max(1);
+    windows
+        .iter()
+        .zip(force)
+        .step_by(step)
+        .map(|(w, force)| {
+            let track = &tracks[w.track];
+            let (x, v) = (track.xs[w.centre], track.vs[w.centre]);
+            match over {
+                Over::Position => [x, *force, v],
+                Over::PositionAndDirection => [x, *force * v.signum(), v],
+                Over::Time => [track.t[w.centre], *force, 1.0],
+            }
+        })
+        .collect()
+}
+
+/// Reduction of the sum of squares by a sine and cosine at wave number `n`, attenuated by the windows.
+fn line_power(points: &[[f64; 3]], n: f64) -> f64 {
+    let (mut cc, mut cs, mut ss, mut fc, mut fs) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for [x, force, v] in points {
+        let a = n * v * WINDOW_S;
+        let attenuation = 1.0 / (1.0 + 0.5 * a * a);
+        let (s, c) = (n * x).sin_cos();
+        let (s, c) = (s * attenuation, c * attenuation);
+        cc += c * c;
+        cs += c * s;
+        ss += s * s;
+        fc += force * c;
+        fs += force * s;
+    }
+    let determinant = cc * ss - cs * cs;
+    if determinant <= 1e-9 * cc * ss {
+        return 0.0;
+    }
+    (fc * fc * ss - 2.0 * fc * fs * cs + fs * fs * cc) / determinant
+}
+
+/// The maximum within a spacing of `n`, by golden section.
+fn polish(points: &[[f64; 3]], n: f64, spacing: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let (mut lo, mut hi) = ((n - spacing).max(0.2 * spacing), n + spacing);
+    for _ in 0..12 {
+        let (a, b) = (hi - GOLDEN * (hi - lo), lo + GOLDEN * (hi - lo));
+        if line_power(points, a) > line_power(points, b) { hi = b } else { lo = a }
+    }
+    0.5 * (lo + hi)
+}

@@ -1,0 +1,81 @@
+//! Files that are written whole or not at all.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::interrupt;
+
+/// Writes a file through `content`: beside its place first, then renamed into it.
+///
+/// A reader of `path` sees the old file or the new one, never a part; if `content` fails, or Ctrl-C comes, the old file stays and nothing is left behind.
+/// A symbolic link is followed. What is not a regular file (a pipe, a terminal) is written directly.
+///
+/// # Errors
+/// Whatever `content` or the file system reports; the target is then untouched.
+pub fn write_whole<F>(path: &Path, content: F) -> io::Result<()>
+where
+    F: FnOnce(&mut dyn Write) -> io::Result<()>,
+{
+    let target = match fs::metadata(path) {
+        Ok(found) if found.is_dir() => {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory, not a file"));
+        }
+        Ok(found) if !found.is_file() => {
+            let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+            content(&mut out)?;
+            return out.flush();
+        }
+        Ok(_) => fs::canonicalize(path)?,
+        Err(_) => path.to_path_buf(),
+    };
+    let beside = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".breakaway-");
+    // The default of 0600 would survive the rename; 0666 less the umask is what any other program would give.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let temporary = builder.tempfile_in(beside)?;
+    let guard = interrupt::remove_if_interrupted(temporary.path());
+    let mut out = BufWriter::with_capacity(1 << 16, temporary);
+    content(&mut out)?;
+    let temporary = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(target).map_err(|failed| failed.error)?;
+    drop(guard);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |out| out.write_all(b"old")).unwrap();
+        let failed = write_whole(&path, |out| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("cut"))
+        });
+        assert_eq!(failed.unwrap_err().to_string(), "cut");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_new_write_replaces_and_a_missing_folder_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |out| out.write_all(b"old and longer")).unwrap();
+        write_whole(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        let nowhere = folder.path().join("no/such/folder/a.txt");
+        assert!(write_whole(&nowhere, |out| out.write_all(b"x")).is_err());
+        assert!(write_whole(folder.path(), |out| out.write_all(b"x")).is_err());
+    }
+}

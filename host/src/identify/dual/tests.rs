@@ -1,0 +1,103 @@
+//! Derivatives against central differences: of the elementary functions, and of a simulated motion.
+
+use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
+
+use super::*;
+
+const STEP: f64 = 1e-6;
+
+/// Every operation at a generic point. Central differences of step h are good to h² = 1e-12 of the third derivative
+/// and to rounding, 1e-16/h = 1e-10; both are scaled by values below 10.
+#[test]
+fn elementary_functions() {
+    type Function<R> = fn(R, R) -> R;
+    fn list<R: Real>() -> Vec<(&'static str, Function<R>)> {
+        vec![
+            ("add", |a, b| a + b),
+            ("sub", |a, b| a - b),
+            ("mul", |a, b| a * b),
+            ("div", |a, b| a / b),
+            ("neg", |a, _| -a),
+            ("abs", |a, b| a.abs() + b.abs()),
+            ("sqrt", |a, b| (a * a + b * b).sqrt()),
+            ("sin", |a, b| (a * b).sin()),
+            ("cos", |a, b| (a * b).cos()),
+            ("exp", |a, b| (a * b).exp()),
+            ("ln", |a, b| (a * a + b).ln()),
+            ("atan2", |a, b| a.atan2(b)),
+            ("sgn", |a, b| a.sgn() * b),
+            ("max", |a, b| a.max(b)),
+        ]
+    }
+    for (a, b) in [(-1.3, 0.7), (0.4, 2.1)] {
+        for ((name, dual), (_, plain)) in list::<Dual<2>>().into_iter().zip(list::<f64>()) {
+            let found = dual(Dual::parameter(a, 0), Dual::parameter(b, 1));
+            assert!((found.value - plain(a, b)).abs() < 1e-14, "{name}");
+            let expected = [
+                (plain(a + STEP, b) - plain(a - STEP, b)) / (2.0 * STEP),
+                (plain(a, b + STEP) - plain(a, b - STEP)) / (2.0 * STEP),
+            ];
+            for (g, e) in found.gradient.iter().zip(expected) {
+                assert!((g - e).abs() < 1e-8, "{name} at {a}, {b}: {g} against {e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_derivative_is_infinite_where_a_function_ends() {
+    let zero = Dual::<1>::parameter(0.0, 0);
+    for value in [zero.sqrt(), zero.ln(), zero.atan2(Dual::constant(0.0))] {
+        assert!(value.value.is_finite() && value.gradient[0].is_finite(), "{value:?}");
+    }
+    assert_eq!(Dual::<2>::parameter(3.0, 2).gradient, [0.0; 2]);
+}
+
+/// Forward, reversal, rest under a drive below f1, and backward.
+fn drive(k: usize) -> f64 {
+    [2.0, -1.5, 0.2, -2.5, 1.0, 0.0][k / 60 % 6]
+}
+
+/// Positions of 360 samples of 1 ms; parameters b, c, f1, x0, v0, and the Stribeck friction's s and vs.
+fn motion<R: Real>(p: [R; 7]) -> Vec<R> {
+    let effects = [Effect { kind: Kind::Stribeck, p: Effect::new(Kind::Stribeck, &[0.2, 0.5]).p.map(R::from_f64) }];
+    let mut effects = effects;
+    effects[0].p[0] = p[5];
+    effects[0].p[1] = p[6];
+    let plant = Plant { base: Base { b: p[0], c: p[1], f1: p[2] }, effects: &effects };
+    let mut state = State { v: p[4], ..plant.at_rest(p[3]) };
+    let u: Vec<f64> = (0..360).map(drive).collect();
+    (0..360)
+        .map(|k| {
+            let x = state.x;
+            plant.advance(&mut state, Drive { u: &u[..=k], ts: 1e-3, t: k as f64 * 1e-3 }, 2);
+            x
+        })
+        .collect()
+}
+
+/// One simulation with dual numbers gives what fourteen of them give by differences, through three reversals and a rest.
+/// Both differ by the differences' own error: 1e-6 of the largest derivative.
+#[test]
+fn sensitivities_of_a_motion_with_reversals_and_stick() {
+    let p = [0.02685, 0.11, 0.5, 0.3, -0.4, 0.2, 0.5];
+    let dual = motion::<Dual<7>>(std::array::from_fn(|i| Dual::parameter(p[i], i)));
+    let rests = dual.windows(2).filter(|w| w[0].value == w[1].value).count();
+    let turns = dual.windows(3).filter(|w| (w[1].value - w[0].value) * (w[2].value - w[1].value) < 0.0).count();
+    assert!(rests > 10 && turns >= 2, "{rests} samples at rest, {turns} reversals without rest");
+    for i in 0..7 {
+        let h = 1e-6 * p[i].abs();
+        let moved = |by: f64| {
+            let mut q = p;
+            q[i] += by;
+            motion::<f64>(q)
+        };
+        let (above, below) = (moved(h), moved(-h));
+        let largest = dual.iter().map(|d| d.gradient[i].abs()).fold(0.0, f64::max);
+        assert!(largest > 0.0);
+        for (k, d) in dual.iter().enumerate() {
+            let difference = (above[k] - below[k]) / (2.0 * h);
+            assert!((d.gradient[i] - difference).abs() < 1e-6 * largest, "{i} at {k}: {} {difference}", d.gradient[i]);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! From recordings to a model: weak-form equation error, and output error by multiple shooting.
+
+pub mod cycles;
+pub mod dual;
+pub mod estimate;
+pub mod relay;
+pub mod shooting;
+pub mod track;
+pub mod weak;

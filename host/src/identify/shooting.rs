@@ -1,0 +1,535 @@
+//! Output error by multiple shooting: the plant is simulated over short segments, each from its own initial position
+//! and velocity, and base and effect parameters are fitted jointly (discovery.md, method step 3).
+//!
+//! Minimised is `Σ_segments n/2·log(σ² + mse)` by Levenberg–Marquardt. The logarithm bounds the influence of any one
+//! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.
+
+use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
+use breakaway_core::scalar::Real;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::dual::Dual;
+use super::track::Track;
+
+/// A segment counts for at least this many samples, however smooth its residual: misfit differs from one to the next.
+const LEAST_SAMPLES: f64 = 4.0;
+
+/// Longest sub-step, s. Reversals within longer ones cost more than the data's noise: at 10 ms, b of a relay recording
+/// comes out 3e-4 low, six of its standard errors.
+const STEP_S: f64 = 1e-3;
+
+/// Noise deviations by which a second body's position may differ from what the motion before the segment says; its
+/// velocity, by a tenth of that per sample (the slope of the smoothing's local cubic).
+const MEMORY_DEVIATIONS: f64 = 30.0;
+
+/// Samples of a track that are simulated in one go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Index of the track.
+    pub track: usize,
+    /// First sample.
+    pub start: usize,
+    /// Number of samples, ≥ 2.
+    pub len: usize,
+}
+
+/// Where a segment starts: position, velocity, and how far the free memory of an effect (a bristle, a second body) is from
+/// what the motion before the segment says.
+pub type Start = [f64; 4];
+
+/// A model under test: base and effects by value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Base parameters.
+    pub base: Base<f64>,
+    /// Effects.
+    pub effects: Vec<Effect<f64>>,
+}
+
+impl Candidate {
+    /// Numbers that start a segment: position and velocity, and what the first effect with a free memory adds.
+    fn local(&self) -> usize {
+        2 + self.effects.iter().map(|effect| effect.kind.free_memory()).find(|n| *n > 0).unwrap_or(0)
+    }
+}
+
+/// A free parameter of a candidate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Free {
+    /// b, c, f1 by index.
+    Base(usize),
+    /// Parameter `.1` of effect `.0`.
+    Effect(usize, usize),
+}
+
+impl Free {
+    /// All base parameters and every effect parameter that is not held at its default.
+    pub fn all(effects: &[Effect<f64>]) -> Vec<Self> {
+        let mut free: Vec<Self> = (0..3).map(Self::Base).collect();
+        for (j, effect) in effects.iter().enumerate() {
+            for (i, parameter) in effect.kind.definition().parameters.iter().enumerate() {
+                if parameter.default.is_none_or(|default| effect.p[i] != default) {
+                    free.push(Self::Effect(j, i));
+                }
+            }
+        }
+        free
+    }
+
+    fn get(self, candidate: &Candidate) -> f64 {
+        match self {
+            Self::Base(0) => candidate.base.b,
+            Self::Base(1) => candidate.base.c,
+            Self::Base(_) => candidate.base.f1,
+            Self::Effect(j, i) => candidate.effects[j].p[i],
+        }
+    }
+
+    fn set(self, candidate: &mut Candidate, value: f64) {
+        let (min, max) = self.range(candidate);
+        let value = value.clamp(min, max);
+        match self {
+            Self::Base(0) => candidate.base.b = value,
+            Self::Base(1) => candidate.base.c = value,
+            Self::Base(_) => candidate.base.f1 = value,
+            Self::Effect(j, i) => candidate.effects[j].p[i] = value,
+        }
+    }
+
+    fn range(self, candidate: &Candidate) -> (f64, f64) {
+        match self {
+            Self::Base(0) => (f64::MIN_POSITIVE, f64::MAX),
+            Self::Base(_) => (0.0, f64::MAX),
+            Self::Effect(j, i) => {
+                let parameter = &candidate.effects[j].kind.definition().parameters[i];
+                (parameter.min, parameter.max)
+            }
+        }
+    }
+
+    /// Strictly positive parameters are stepped by ratio.
+    fn logarithmic(self, candidate: &Candidate) -> bool {
+        self.range(candidate).0 > 0.0
+    }
+}
+
+/// Data and noise floor of a fit.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// Prepared recordings.
+    pub tracks: &'a [Track],
+    /// Segments to fit.
+    pub segments: &'a [Segment],
+    /// Noise floor, position units.
+    pub sigma: f64,
+    /// Seconds of measured motion followed before each segment to bring the effects' memories up to date.
+    pub warm_up_s: f64,
+}
+
+/// A fitted model.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model.
+    pub candidate: Candidate,
+    /// Its free parameters.
+    pub free: Vec<Free>,
+    /// Covariance of the free parameters.
+    pub covariance: DMatrix<f64>,
+    /// Mean square error of every segment, position units squared.
+    pub mse: Vec<f64>,
+    /// Effective samples of every segment: residuals that are correlated count for less.
+    pub samples: Vec<f64>,
+    /// Initial position and velocity of every segment.
+    pub initial: Vec<Start>,
+    /// The minimised cost.
+    pub cost: f64,
+    /// Iterations taken.
+    pub iterations: usize,
+}
+
+/// Why a candidate could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FitError {
+    /// The simulation leaves the range of numbers from the start.
+    #[error("the simulation diverges with the starting parameters")]
+    Diverges,
+    /// There is nothing to fit.
+    #[error("no segment to fit")]
+    NoSegment,
+    /// More parameters than the solver carries.
+    #[error("too many free parameters ({0})")]
+    TooMany(usize),
+}
+
+/// Normal equations of the parameters, the initial states eliminated.
+struct Reduced {
+    hessian: DMatrix<f64>,
+    gradient: DVector<f64>,
+    /// Σ of the outer products of the segments' gradients.
+    scores: DMatrix<f64>,
+    eliminated: Vec<(DMatrix<f64>, DMatrix<f64>, DVector<f64>)>,
+}
+
+/// Normal equations of one segment.
+struct Normal {
+    hessian: DMatrix<f64>,
+    gradient: DVector<f64>,
+    mse: f64,
+    samples: f64,
+}
+
+impl Problem<'_> {
+    /// Simulates one segment and hands every sample's residual and sensitivities to `visit`.
+    fn simulate<R: Real>(
+        &self,
+        plant: &Plant<'_, R>,
+        n: usize,
+        segment: Segment,
+        start: [R; 4],
+        mut visit: impl FnMut(f64, R),
+    ) {
+        let track = &self.tracks[segment.track];
+        let mut state = self.initial_state(plant, segment, start);
+        for k in segment.start..segment.start + segment.len {
+            visit(track.x[k], plant.measured(state.x));
+            let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
+            plant.advance(&mut state, drive, n);
+        }
+    }
+
+    /// Sub-steps of a sample period: what the effects ask for, and none longer than [`STEP_S`].
+    fn sub_steps<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> usize {
+        let ts = self.tracks[segment.track].ts;
+        plant.sub_steps(ts).max((ts / STEP_S).round().min(32.0) as usize)
+    }
+
+    fn initial_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment, start: [R; 4]) -> State<R> {
+        let [x0, v0, y, w] = start;
+        let track = &self.tracks[segment.track];
+        if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
+            return State { x: x0, v: v0, ..plant.at_rest(x0) };
+        }
+        let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
+        let earliest = track.pieces[piece];
+        let first = segment.start.saturating_sub((self.warm_up_s / track.ts) as usize).max(earliest);
+        let mut state = plant.at_rest(R::from_f64(track.xs[first]));
+        for k in first..segment.start {
+            let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
+            plant.effect_force(&mut state, drive, R::from_f64(track.xs[k]), R::from_f64(track.vs[k]), R::ZERO);
+        }
+        let free = plant.effects.iter().position(|effect| effect.kind.free_memory() > 0);
+        if let Some(memory) = free.and_then(|j| state.memory.get_mut(j)) {
+            memory[0] += y;
+            memory[1] += w;
+        }
+        State { x: x0, v: v0, ..state }
+    }
+
+    fn normal<const N: usize>(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
+        let p = free.len();
+        let mut base = [candidate.base.b, candidate.base.c, candidate.base.f1].map(Dual::<N>::constant);
+        let mut effects: Vec<Effect<Dual<N>>> =
+            candidate.effects.iter().map(|e| Effect { kind: e.kind, p: e.p.map(Dual::constant) }).collect();
+        for (lane, parameter) in free.iter().enumerate() {
+            let dual = Dual::parameter(parameter.get(candidate), lane);
+            match *parameter {
+                Free::Base(i) => base[i] = dual,
+                Free::Effect(j, i) => effects[j].p[i] = dual,
+            }
+        }
+        let plant = Plant { base: Base { b: base[0], c: base[1], f1: base[2] }, effects: &effects };
+        let n = self.sub_steps(&plant, segment);
+        let local = candidate.local();
+        let mut hessian = [[0.0; N]; N];
+        let mut gradient = [0.0; N];
+        let mut square = 0.0;
+        let (mut lagged, mut previous) = (0.0, 0.0);
+        self.simulate(
+            &plant,
+            n,
+            segment,
+            std::array::from_fn(|i| if i < local { Dual::parameter(initial[i], p + i) } else { Dual::constant(0.0) }),
+            |measured, simulated| {
+                let residual = measured - simulated.value;
+                square += residual * residual;
+                lagged += residual * previous;
+                previous = residual;
+                let d = &simulated.gradient;
+                for i in 0..N {
+                    gradient[i] += d[i] * residual;
+                    for j in 0..N {
+                        hessian[i][j] += d[i] * d[j];
+                    }
+                }
+            },
+        );
+        let m = p + local;
+        Normal {
+            hessian: DMatrix::from_fn(m, m, |i, j| hessian[i][j]),
+            gradient: DVector::from_fn(m, |i, _| gradient[i]),
+            mse: square / segment.len as f64,
+            samples: {
+                let correlation = (lagged / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                (segment.len as f64 * (1.0 - correlation) / (1.0 + correlation)).max(LEAST_SAMPLES)
+            },
+        }
+    }
+
+    fn normal_any(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
+        match free.len() + candidate.local() {
+            0..=2 => self.normal::<2>(candidate, free, segment, initial),
+            3..=6 => self.normal::<6>(candidate, free, segment, initial),
+            7..=9 => self.normal::<9>(candidate, free, segment, initial),
+            10..=12 => self.normal::<12>(candidate, free, segment, initial),
+            _ => self.normal::<20>(candidate, free, segment, initial),
+        }
+    }
+
+    /// The cost of given mean square errors of the segments.
+    pub fn cost_of(&self, mse: &[f64]) -> f64 {
+        self.segments
+            .iter()
+            .zip(mse)
+            .map(|(segment, mse)| 0.5 * segment.len as f64 * (self.sigma * self.sigma + mse).ln())
+            .sum()
+    }
+
+    /// Starting initial states: the smoothed motion.
+    pub fn smoothed_initial(&self) -> Vec<Start> {
+        self.segments
+            .iter()
+            .map(|s| [self.tracks[s.track].xs[s.start], self.tracks[s.track].vs[s.start], 0.0, 0.0])
+            .collect()
+    }
+
+    /// Fits the free parameters and every segment's initial state.
+    ///
+    /// # Errors
+    /// [`FitError`] if there is nothing to fit or the start diverges.
+    pub fn fit(
+        &self,
+        start: &Candidate,
+        free: &[Free],
+        initial: Option<&[Start]>,
+        iterations: usize,
+    ) -> Result<Fit, FitError> {
+        if self.segments.is_empty() {
+            return Err(FitError::NoSegment);
+        }
+        if free.len() > 16 {
+            return Err(FitError::TooMany(free.len()));
+        }
+        let mut candidate = start.clone();
+        let mut states = initial.map_or_else(|| self.smoothed_initial(), <[_]>::to_vec);
+        let evaluate = |candidate: &Candidate, states: &[Start]| -> Vec<Normal> {
+            self.segments
+                .par_iter()
+                .zip(states)
+                .with_min_len(8)
+                .map(|(s, x)| self.normal_any(candidate, free, *s, *x))
+                .collect()
+        };
+        let mut normals = evaluate(&candidate, &states);
+        let mut mse: Vec<f64> = normals.iter().map(|n| n.mse).collect();
+        let mut cost = self.cost_of(&mse);
+        if !cost.is_finite() {
+            return Err(FitError::Diverges);
+        }
+        let mut damping = 1e-3;
+        let mut taken = 0;
+        while taken < iterations {
+            taken += 1;
+            let Some((step, local)) = self.step(&normals, &candidate, free, damping) else {
+                damping *= 10.0;
+                if damping > 1e8 {
+                    break;
+                }
+                continue;
+            };
+            let mut next = candidate.clone();
+            for (parameter, delta) in free.iter().zip(step.iter()) {
+                let value = parameter.get(&candidate);
+                let new = if parameter.logarithmic(&candidate) {
+                    value * (delta / value).clamp(-1.5, 1.5).exp()
+                } else {
+                    value + delta
+                };
+                parameter.set(&mut next, new);
+            }
+            // A second body may be off by what the noise of the motion before the segment explains; more would let it
+            // fit whatever else is missing. (A bristle is bounded by its law.)
+            let next_states: Vec<Start> = states
+                .iter()
+                .zip(&local)
+                .map(|(s, d)| {
+                    let [x, v, first, second] = std::array::from_fn(|i| s[i] + d[i]);
+                    if next.local() < 4 {
+                        return [x, v, first, second];
+                    }
+                    let most = MEMORY_DEVIATIONS * self.sigma;
+                    let rate = most * 0.1 / self.tracks[0].ts;
+                    [x, v, first.clamp(-most, most), second.clamp(-rate, rate)]
+                })
+                .collect();
+            let next_normals = evaluate(&next, &next_states);
+            let next_mse: Vec<f64> = next_normals.iter().map(|n| n.mse).collect();
+            let next_cost = self.cost_of(&next_mse);
+            if next_cost < cost {
+                let gain = cost - next_cost;
+                candidate = next;
+                states = next_states;
+                normals = next_normals;
+                mse = next_mse;
+                cost = next_cost;
+                damping = (damping * 0.2).max(1e-9);
+                // Far below the evidence that any decision asks for.
+                if gain < 0.1 + 0.002 * self.segments.len() as f64 {
+                    break;
+                }
+            } else {
+                damping *= 8.0;
+                if damping > 1e6 {
+                    break;
+                }
+            }
+        }
+        let covariance = self.covariance(&normals, free.len());
+        let samples = normals.iter().map(|n| n.samples).collect();
+        Ok(Fit { candidate, free: free.to_vec(), covariance, mse, samples, initial: states, cost, iterations: taken })
+    }
+
+    /// Eliminates the initial states of every segment; `None` if a segment does not determine its own.
+    fn reduce(&self, normals: &[Normal], p: usize, damping: f64) -> Option<Reduced> {
+        let mut reduced = Reduced {
+            hessian: DMatrix::zeros(p, p),
+            gradient: DVector::zeros(p),
+            scores: DMatrix::zeros(p, p),
+            eliminated: Vec::with_capacity(normals.len()),
+        };
+        for (normal, segment) in normals.iter().zip(self.segments) {
+            let weight = 1.0 / (self.sigma * self.sigma + normal.mse);
+            let count = normal.gradient.len() - p;
+            let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
+            let scales = self.start_scales(*segment);
+            for i in 0..count {
+                // A body that sticks, or is pushed, forgets how it started: such starts stay where they are.
+                local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
+            }
+            let inverse = local.cholesky()?.inverse();
+            let cross = normal.hessian.view((0, p), (p, count)).into_owned();
+            let local_gradient = normal.gradient.rows(p, count).into_owned();
+            let product = &cross * &inverse;
+            reduced.hessian += weight * (normal.hessian.view((0, 0), (p, p)) - &product * cross.transpose());
+            let score = weight * (normal.gradient.rows(0, p) - &product * &local_gradient);
+            reduced.scores += &score * score.transpose();
+            reduced.gradient += score;
+            reduced.eliminated.push((inverse, cross, local_gradient));
+        }
+        Some(reduced)
+    }
+
+    /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
+    fn start_scales(&self, segment: Segment) -> Start {
+        let track = &self.tracks[segment.track];
+        let range = segment.start..segment.start + segment.len;
+        let speed = (track.vs[range.clone()].iter().map(|v| v * v).sum::<f64>() / segment.len as f64).sqrt();
+        let x = &track.xs[range];
+        let travel = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
+        let velocity = speed + 100.0 * self.sigma;
+        [100.0 * self.sigma + travel, velocity, 10.0 * self.sigma + 0.2 * travel, velocity]
+    }
+
+    /// One damped Gauss–Newton step: parameters and initial states.
+    fn step(
+        &self,
+        normals: &[Normal],
+        candidate: &Candidate,
+        free: &[Free],
+        damping: f64,
+    ) -> Option<(DVector<f64>, Vec<Start>)> {
+        let p = free.len();
+        let reduced = self.reduce(normals, p, damping)?;
+        // Parameters the data does not touch keep their value.
+        let curvature = (0..p).map(|i| reduced.hessian[(i, i)] * free[i].get(candidate).powi(2)).fold(0.0, f64::max);
+        let mut damped = reduced.hessian.clone();
+        for i in 0..p {
+            let scale = free[i].get(candidate).abs().max(1e-9);
+            damped[(i, i)] += damping * reduced.hessian[(i, i)] + (1e-12 * curvature + 1e-300) / (scale * scale);
+        }
+        let step = damped.cholesky()?.solve(&reduced.gradient);
+        let local = reduced
+            .eliminated
+            .iter()
+            .map(|(inverse, cross, gradient)| {
+                let d = inverse * (gradient - cross.transpose() * &step);
+                std::array::from_fn(|i| d.get(i).copied().unwrap_or(0.0))
+            })
+            .collect();
+        Some((step, local))
+    }
+
+    /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
+    /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
+    fn covariance(&self, normals: &[Normal], p: usize) -> DMatrix<f64> {
+        let unknown = || DMatrix::from_element(p, p, f64::NAN);
+        let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, p, 0.0) else { return unknown() };
+        let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };
+        if self.segments.len() < 4 * p { inverse } else { &inverse * scores * &inverse }
+    }
+
+    /// Scores a fixed model: only the initial states are fitted. Gives the mean square error of every segment.
+    pub fn score(&self, candidate: &Candidate) -> Vec<f64> {
+        self.segments
+            .iter()
+            .map(|&segment| {
+                let problem = Problem { segments: std::slice::from_ref(&segment), ..*self };
+                problem.fit(candidate, &[], None, 6).map_or(f64::INFINITY, |fit| fit.mse[0])
+            })
+            .collect()
+    }
+
+    /// Simulates a segment from a given initial state; positions as the sensor would report them.
+    pub fn positions(&self, candidate: &Candidate, segment: Segment, initial: Start) -> Vec<f64> {
+        let plant = Plant { base: candidate.base, effects: &candidate.effects };
+        let n = self.sub_steps(&plant, segment);
+        let mut positions = Vec::with_capacity(segment.len);
+        self.simulate(&plant, n, segment, initial, |_, x| positions.push(x));
+        positions
+    }
+}
+
+impl Fit {
+    /// Standard error of a free parameter; `None` if it is held.
+    pub fn standard_error(&self, parameter: Free) -> Option<f64> {
+        let i = self.free.iter().position(|f| *f == parameter)?;
+        Some(self.covariance[(i, i)].max(0.0).sqrt())
+    }
+
+    /// Whether the model carries an effect.
+    pub fn has(&self, kind: Kind) -> bool {
+        self.candidate.effects.iter().any(|effect| effect.kind == kind)
+    }
+}
+
+/// Cuts the pieces of the tracks into segments of `length_s` (at least 8 samples); rests shorter than half are dropped.
+pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    for (track, prepared) in tracks.iter().enumerate() {
+        let len = ((length_s / prepared.ts).round() as usize).max(8);
+        for piece in prepared.pieces.windows(2) {
+            let mut start = piece[0];
+            while start + len / 2 < piece[1] {
+                let len = len.min(piece[1] - start);
+                if len >= 8 {
+                    segments.push(Segment { track, start, len });
+                }
+                start += len;
+            }
+        }
+    }
+    segments
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,14 @@
+//! The host side of Breakaway: recordings in, models out.
+#![forbid(unsafe_code)]
+
+pub mod command;
+pub mod discover;
+pub mod file;
+pub mod identify;
+pub mod interrupt;
+pub mod model;
+pub mod nearest;
+pub mod recording;
+pub mod report;
+pub mod simulate;
+pub mod sine;

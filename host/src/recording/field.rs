@@ -1,0 +1,29 @@
+//! One field of a row: text to number.
+
+use super::error::{Place, RecordingError};
+
+/// Most characters of a wrong field that a message repeats.
+const SHOWN: usize = 40;
+
+/// A field for a message: what does not fit, and what a terminal would obey, left out.
+pub(super) fn shown(text: &str) -> String {
+    let mut short: String = text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(SHOWN).collect();
+    if text.chars().nth(SHOWN).is_some() {
+        short.push('…');
+    }
+    short
+}
+
+/// The finite number in a field; `place` is asked only when there is none.
+pub(super) fn number(bytes: &[u8], place: impl FnOnce() -> Place) -> Result<f64, RecordingError> {
+    let bytes = bytes.trim_ascii();
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return Err(RecordingError::NotUtf8 { place: place() });
+    };
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(RecordingError::NotFinite { place: place(), text: shown(text) }),
+        Err(_) if text.is_empty() => Err(RecordingError::EmptyField { place: place() }),
+        Err(_) => Err(RecordingError::NotANumber { place: place(), text: shown(text) }),
+    }
+}

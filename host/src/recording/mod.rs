@@ -1,0 +1,132 @@
+//! Recordings: time, applied drive and measured position.
+//!
+//! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
+//! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
+
+mod error;
+mod field;
+mod header;
+mod options;
+mod quality;
+mod quantisation;
+mod signal;
+mod table;
+mod timing;
+mod units;
+mod write;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+pub use error::{Place, RecordingError};
+pub use options::{ReadOptions, Selection};
+pub use quality::Warning;
+pub use signal::Signal;
+pub use timing::{EVEN_WITHIN, GAP_FACTOR, Timing};
+pub use units::Units;
+
+use table::{Table, Wanted};
+
+/// Fewest rows of a file that are worth reading: twice the four unknowns of a sine fit.
+pub const MIN_ROWS: usize = 8;
+
+/// One recording of an axis, evenly sampled or not.
+///
+/// `u[k]` is the drive applied from `t[k]` to `t[k + 1]` (zero-order hold); `x[k]` is the position read at `t[k]`.
+/// The three have the same length ≥ 2 and `t` increases strictly.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    /// What to call it in reports: the file's name or the experiment's.
+    pub name: String,
+    /// Time, s. It need not begin at zero: recordings of one session may share a time axis.
+    pub t: Vec<f64>,
+    /// Applied drive, in `units.u`.
+    pub u: Vec<f64>,
+    /// Measured position, in `units.x`.
+    pub x: Vec<f64>,
+    /// Encoder step in position units, where it is known.
+    pub encoder_step: Option<f64>,
+    /// Units of drive and position, for reports.
+    pub units: Units,
+    /// Where it comes from: `experiment`, `firmware build`, `seed` and the like.
+    pub meta: BTreeMap<String, String>,
+    /// Indices, increasing, at which a new piece begins because samples before it are missing.
+    pub gaps: Vec<usize>,
+}
+
+impl Recording {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line, column and what to do.
+    pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, RecordingError> {
+        Self::read_from(&path.display().to_string(), open(path)?, options)
+    }
+
+    /// Reads from `input`; `file` is its name in messages. Only the three columns are kept in memory.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line, column and what to do.
+    pub fn read_from(file: &str, input: impl Read, options: &ReadOptions) -> Result<Self, RecordingError> {
+        let wanted = [
+            Wanted { name: options.input_column(), flag: "--input" },
+            Wanted { name: options.position_column(), flag: "--position" },
+        ];
+        let mut table = Table::read(file, input, options, &wanted)?;
+        let x = table.columns.pop().unwrap_or_default();
+        let u = table.columns.pop().unwrap_or_default();
+        if x.len() < MIN_ROWS {
+            return Err(table.too_short(file));
+        }
+        if let Some(&value) = x.first()
+            && x.iter().all(|&other| other == value)
+        {
+            return Err(RecordingError::NoMotion {
+                file: file.to_owned(),
+                column: options.position_column().to_owned(),
+                value,
+                rows: x.len(),
+            });
+        }
+        let unknown = Units::default();
+        let unit_of = |name| units::of_column(name, &table.header);
+        Ok(Self {
+            name: file_stem(file),
+            encoder_step: options.encoder_step.or(table.header.encoder_step).or_else(|| quantisation::infer_step(&x)),
+            units: Units {
+                u: unit_of(options.input_column()).unwrap_or(unknown.u),
+                x: unit_of(options.position_column()).unwrap_or(unknown.x),
+            },
+            gaps: timing::gaps(&table.t, &table.breaks),
+            meta: table.header.meta,
+            t: table.t,
+            u,
+            x,
+        })
+    }
+}
+
+impl Table {
+    fn too_short(&self, file: &str) -> RecordingError {
+        RecordingError::TooShort { file: file.to_owned(), line: self.last_line, rows: self.t.len(), needed: MIN_ROWS }
+    }
+}
+
+/// Opens a recording's file.
+///
+/// # Errors
+/// [`RecordingError::NotFound`] or [`RecordingError::Read`].
+pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
+    let file = path.display().to_string();
+    File::open(path).map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => RecordingError::NotFound { file },
+        _ => RecordingError::Read { file, source },
+    })
+}
+
+/// The name of a recording: its file's, without folder and ending.
+fn file_stem(file: &str) -> String {
+    Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
+}

@@ -1,0 +1,73 @@
+//! One column of a recording, for what needs no drive.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::error::RecordingError;
+use super::options::ReadOptions;
+use super::table::{Table, Wanted};
+use super::{MIN_ROWS, file_stem, open, timing, units};
+
+/// One signal over time. `t` increases strictly, all numbers are finite, the signal is not constant, and there are at least [`MIN_ROWS`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    /// Name of the recording.
+    pub name: String,
+    /// Name of the column.
+    pub column: String,
+    /// Unit of the column, where it is known.
+    pub unit: Option<String>,
+    /// Time, s.
+    pub t: Vec<f64>,
+    /// The signal.
+    pub y: Vec<f64>,
+    /// Rows at which a new piece begins because samples before it are missing.
+    pub gaps: Vec<usize>,
+}
+
+impl Signal {
+    /// Reads column `column` (the position if `None`) of the file at `path`.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read(path: &Path, column: Option<&str>, options: &ReadOptions) -> Result<Self, RecordingError> {
+        let input: File = open(path)?;
+        Self::read_from(&path.display().to_string(), input, column, options)
+    }
+
+    /// Reads from `input`; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read_from(
+        file: &str,
+        input: impl Read,
+        column: Option<&str>,
+        options: &ReadOptions,
+    ) -> Result<Self, RecordingError> {
+        let wanted = match column {
+            Some(name) => Wanted { name, flag: "--signal" },
+            None => Wanted { name: options.position_column(), flag: "--position or --signal" },
+        };
+        let name = wanted.name.to_owned();
+        let mut table = Table::read(file, input, options, &[wanted])?;
+        let y = table.columns.pop().unwrap_or_default();
+        if y.len() < MIN_ROWS {
+            return Err(table.too_short(file));
+        }
+        if let Some(&value) = y.first()
+            && y.iter().all(|&other| other == value)
+        {
+            return Err(RecordingError::Constant { file: file.to_owned(), column: name, value, rows: y.len() });
+        }
+        Ok(Self {
+            name: file_stem(file),
+            unit: units::of_column(&name, &table.header),
+            column: name,
+            gaps: timing::gaps(&table.t, &table.breaks),
+            t: table.t,
+            y,
+        })
+    }
+}

@@ -1,0 +1,66 @@
+//! Recordings out: the same file the reader takes, every number bit for bit.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::{Recording, RecordingError};
+use crate::file::write_whole;
+
+impl Recording {
+    /// Writes the recording to `path`, whole or not at all, with columns `t,u,x` and a header of units and provenance.
+    ///
+    /// # Errors
+    /// [`RecordingError::Write`]; a file already there is then untouched.
+    pub fn write(&self, path: &Path) -> Result<(), RecordingError> {
+        write_whole(path, |mut out| self.write_to(&mut out))
+            .map_err(|source| RecordingError::Write { file: path.display().to_string(), source })
+    }
+
+    /// Writes the recording as CSV. Floats have the fewest digits that give the same bits back.
+    ///
+    /// # Errors
+    /// What `out` reports; `InvalidInput` if the columns differ in length or hold a number that is not finite.
+    pub fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
+        if self.t.len() != self.u.len() || self.t.len() != self.x.len() {
+            return Err(invalid("the columns differ in length"));
+        }
+        if let Some(tick_s) = self.evenly_sampled() {
+            writeln!(out, "# tick: {tick_s:?} s")?;
+        }
+        let (u, x) = (unit(&self.units.u), unit(&self.units.x));
+        writeln!(out, "# units: u={u}, x={x}")?;
+        if let Some(step) = self.encoder_step {
+            writeln!(out, "# encoder step: {step:?} {x}")?;
+        }
+        if !self.gaps.is_empty() {
+            let rows: Vec<String> = self.gaps.iter().map(usize::to_string).collect();
+            writeln!(out, "# gaps: {}", rows.join(", "))?;
+        }
+        for (key, value) in &self.meta {
+            let key = one_line(key).replace(':', " ");
+            writeln!(out, "# {}: {}", key.trim(), one_line(value).trim())?;
+        }
+        writeln!(out, "t,u,x")?;
+        for ((t, u), x) in self.t.iter().zip(&self.u).zip(&self.x) {
+            if !(t.is_finite() && u.is_finite() && x.is_finite()) {
+                return Err(invalid("a number is not finite"));
+            }
+            // Debug, not Display: it changes to an exponent where zeros would fill the line.
+            writeln!(out, "{t:?},{u:?},{x:?}")?;
+        }
+        Ok(())
+    }
+}
+
+fn invalid(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, what)
+}
+
+fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ")
+}
+
+/// A unit as the `units` line can hold it.
+fn unit(text: &str) -> String {
+    one_line(text).replace([',', '='], " ").trim().to_owned()
+}

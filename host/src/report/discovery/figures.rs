@@ -1,0 +1,83 @@
+//! The figures of a discovery.
+
+use crate::discover::outcome::{Discovery, Overlay, WhereRow};
+use crate::report::figure::{Bar, Figure, Ink, Series, Step, Strip, bars, bins, ladder, stack};
+
+/// The ladder.
+pub fn ladder_figure(discovery: &Discovery) -> Figure {
+    let mut known = 0;
+    let steps: Vec<Step> = discovery
+        .ladder
+        .iter()
+        .map(|rung| {
+            let new: Vec<&str> = rung.effects.iter().skip(known).map(|kind| kind.definition().title).collect();
+            known = rung.effects.len();
+            let label = if new.is_empty() { "base model".to_owned() } else { format!("+ {}", new.join(" + ")) };
+            Step { label, open_loop: rung.holdout_open_loop_rmse, holdout: rung.holdout_rmse, fit: rung.fit_rmse }
+        })
+        .collect();
+    let caption = if steps.len() > 1 {
+        "Error of the simulated position as effects are added to the model. Held-out recordings were never fitted; the \
+         circles are simulated from the measured state for one second on the drive alone. Nothing can fall below the noise."
+    } else {
+        "Error of the simulated position. Nothing was added to the model. Held-out recordings were never fitted; the circle \
+         is simulated from the measured state for one second on the drive alone. Nothing can fall below the noise."
+    };
+    let (noise, unit) = (discovery.noise_floor, &discovery.units.x);
+    Figure::new("The ladder", caption, |width| ladder(width, &steps, noise, unit))
+}
+
+/// Measured and simulated position, what is left between them, and the drive.
+pub fn overlay_figure(discovery: &Discovery, overlay: &Overlay) -> Figure {
+    let gap = |model: &[f64]| -> Vec<f64> { overlay.measured.iter().zip(model).map(|(x, m)| x - m).collect() };
+    let (before, after) = (gap(&overlay.before), gap(&overlay.after));
+    let (base, last) = ("before: base model", "after: effects added");
+    let mut positions = vec![
+        Series { ink: Ink::Measured, label: "measured", y: &overlay.measured },
+        Series { ink: Ink::Before, label: base, y: &overlay.before },
+    ];
+    let mut gaps = vec![Series { ink: Ink::Before, label: base, y: &before }];
+    if !overlay.after.is_empty() {
+        positions.push(Series { ink: Ink::After, label: last, y: &overlay.after });
+        gaps.push(Series { ink: Ink::After, label: last, y: &after });
+    }
+    let units = &discovery.units;
+    let strip = |quantity, unit, height, series| Strip { quantity, unit, height, series, band: None, held: false };
+    let strips = [
+        strip("position", units.x.as_str(), 190.0, positions),
+        Strip { band: Some(discovery.noise_floor), ..strip("measured − simulated", &units.x, 120.0, gaps) },
+        Strip {
+            held: true,
+            ..strip("drive", &units.u, 60.0, vec![Series { ink: Ink::Drive, label: "drive", y: &overlay.u }])
+        },
+    ];
+    let strips = if overlay.u.is_empty() { &strips[..2] } else { &strips[..] };
+    let title = format!("Measured and simulated, {}", overlay.title);
+    let caption = "Held-out data. Above, the simulation runs over the broad line of the measurement; below it, what is left \
+                   between them, with the noise as a band; at the bottom, the drive that both were given.";
+    Figure::new(title, caption, |width| stack(width, &overlay.t, strips))
+}
+
+/// The share of the gap that each coordinate carries.
+pub(super) fn map_figure(discovery: &Discovery) -> Figure {
+    let added = !discovery.effects.is_empty();
+    let rows: Vec<Bar<'_>> = discovery
+        .where_map
+        .iter()
+        .map(|row| Bar { label: row.coordinate, before: row.r2, after: added.then_some(row.r2_after) })
+        .collect();
+    let caption = "Share of the unexplained force that its average over this coordinate predicts (cross-validated R²): for \
+                   the base model, and for what is left after the last effect.";
+    Figure::new("Where the gap lives", caption, |width| bars(width, &rows))
+}
+
+/// The residual force over one coordinate.
+pub(super) fn curve_figure(discovery: &Discovery, row: &WhereRow) -> Figure {
+    let after = if discovery.effects.is_empty() { &[][..] } else { &row.curve_after[..] };
+    let caption = "Mean unexplained force in bins, with two standard errors on both sides. A curve away from zero is the \
+                   shape of the missing effect.";
+    let force = ("unexplained force", discovery.units.u.as_str());
+    Figure::new(format!("Unexplained force over {}", row.coordinate), caption, |width| {
+        bins(width, (row.coordinate, &row.unit), force, &row.curve, after)
+    })
+}

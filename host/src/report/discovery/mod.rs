@@ -1,0 +1,159 @@
+//! The page of a discovery (discovery.md, "The report").
+
+mod figures;
+mod tables;
+
+use std::fmt::Write as _;
+
+pub use figures::{ladder_figure, overlay_figure};
+
+use super::page::{Page, Section, list};
+use super::text::{escape, number, quantity};
+use crate::discover::outcome::{Discovery, NextExperiment, Rung, Verdict};
+
+/// Overlays that are shown; more of them say nothing new.
+const MOST_OVERLAYS: usize = 4;
+/// Coordinates whose curves are shown.
+const MOST_CURVES: usize = 3;
+
+/// The report of a discovery as one file.
+pub fn html(discovery: &Discovery) -> String {
+    page(discovery).html()
+}
+
+/// The report of a discovery.
+pub fn page(discovery: &Discovery) -> Page {
+    let (badge, badge_class) = badge(discovery.verdict);
+    let mut sections = sections(discovery);
+    // Sentence, ladder and one overlay come before the first heading.
+    let lead = sections.remove(0).body;
+    Page {
+        title: "Breakaway discovery".into(),
+        badge: badge.into(),
+        badge_class,
+        sentence: discovery.sentence.clone(),
+        facts: facts(discovery),
+        lead,
+        sections,
+    }
+}
+
+/// The parts of the report, to be put into another page; the first is the summary: ladder and overlay.
+pub fn sections(discovery: &Discovery) -> Vec<Section> {
+    let mut sections = vec![Section::new("What was found", lead(discovery))];
+    let mut add = |heading: &str, body: String| {
+        if !body.is_empty() {
+            sections.push(Section::new(heading, body));
+        }
+    };
+    add("Where the gap lives", where_it_lives(discovery));
+    add("What was added, and what else it could be", tables::effects(discovery));
+    add("Candidates", tables::candidates(discovery));
+    add("The model", tables::model(discovery));
+    add("What the data cannot tell", cannot_tell(discovery));
+    add("The experiment that would decide", discovery.next_experiment.as_ref().map_or_else(String::new, next));
+    let more = discovery.overlays.iter().skip(1).take(MOST_OVERLAYS - 1);
+    add("More held-out recordings", more.map(|overlay| overlay_figure(discovery, overlay).html()).collect());
+    add("Provenance", tables::provenance(discovery));
+    sections
+}
+
+const fn badge(verdict: Verdict) -> (&'static str, &'static str) {
+    match verdict {
+        Verdict::Explained => ("✓ explained", "good"),
+        Verdict::PartlyExplained => ("◐ partly explained", "part"),
+        Verdict::Unknown => ("? unknown", "open"),
+        Verdict::NothingMissing => ("= nothing missing", "good"),
+    }
+}
+
+/// First and last rung, if there are two.
+fn ends(discovery: &Discovery) -> Option<(&Rung, &Rung)> {
+    match discovery.ladder.as_slice() {
+        [first, .., last] => Some((first, last)),
+        _ => None,
+    }
+}
+
+fn facts(discovery: &Discovery) -> Vec<(String, String)> {
+    let unit = &discovery.units.x;
+    let mut facts = Vec::new();
+    let mut fact = |what: &str, value: String| facts.push((what.to_owned(), value));
+    if let Some((first, last)) = ends(discovery) {
+        let (a, b) = (first.holdout_open_loop_rmse, last.holdout_open_loop_rmse);
+        fact("held-out error, 1 s ahead", format!("{} → {}", quantity(a, unit, 2), quantity(b, unit, 2)));
+        fact("smaller by", format!("{} ×", number(a / b, 2)));
+    } else if let Some(base) = discovery.ladder.first() {
+        fact("held-out error, 1 s ahead", quantity(base.holdout_open_loop_rmse, unit, 2));
+    }
+    fact("position noise", quantity(discovery.noise_floor, unit, 2));
+    fact("recordings", discovery.provenance.inputs.len().to_string());
+    fact("time taken", quantity(discovery.seconds, "s", 2));
+    facts
+}
+
+fn lead(discovery: &Discovery) -> String {
+    let mut out = String::new();
+    if !discovery.ladder.is_empty() {
+        out.push_str(&ladder_figure(discovery).html());
+    }
+    if let Some(overlay) = discovery.overlays.first() {
+        out.push_str(&overlay_figure(discovery, overlay).html());
+    }
+    if discovery.ladder.len() > 1 {
+        out.push_str(&tables::ladder(discovery));
+    }
+    out
+}
+
+fn where_it_lives(discovery: &Discovery) -> String {
+    if discovery.where_map.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "<p>The force that the base model leaves unexplained is averaged over one coordinate at a time. The share of it \
+         that such averages predict on data they were not taken from says where the missing effect acts.</p>\n",
+    );
+    out.push_str(&figures::map_figure(discovery).html());
+    for row in discovery.where_map.iter().filter(|row| !row.curve.is_empty()).take(MOST_CURVES) {
+        out.push_str(&figures::curve_figure(discovery, row).html());
+    }
+    out
+}
+
+fn cannot_tell(discovery: &Discovery) -> String {
+    let mut items = Vec::new();
+    for effect in &discovery.effects {
+        let tied = effect.rivals.iter().filter(|rival| rival.tied);
+        let names: Vec<&str> = tied.map(|rival| rival.kind.definition().title).collect();
+        if !names.is_empty() {
+            items.push(format!(
+                "{} or {}: these recordings cannot tell. The first was added to the model.",
+                effect.kind.definition().title,
+                names.join(" or ")
+            ));
+        }
+    }
+    items.extend(discovery.remarks.iter().cloned());
+    if items.is_empty() { String::new() } else { list(&items) }
+}
+
+fn next(next: &NextExperiment) -> String {
+    let names: Vec<&str> = next.separates.iter().map(|kind| kind.definition().title).collect();
+    let what = if names.is_empty() { "the models".to_owned() } else { names.join(" from ") };
+    let mut out = format!(
+        "<p>It tells {} by a predicted difference of {} times the noise.</p>\n",
+        escape(&what),
+        number(next.difference_over_noise, 2)
+    );
+    // Writing to a String cannot fail; a seed beyond TOML's integers is the only thing that cannot be written.
+    if let Ok(file) = toml::to_string(&next.experiment) {
+        let _ = writeln!(
+            out,
+            "<p>Save this as <code>{name}.toml</code> and run <code>breakaway run {name}.toml -o next</code>:</p>\n<pre>{}</pre>",
+            escape(file.trim_end()),
+            name = escape(&next.experiment.name)
+        );
+    }
+    out
+}

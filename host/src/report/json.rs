@@ -1,0 +1,195 @@
+//! The JSON of `discover` (cli.md): the same content as the report. A number that is not known is `null`.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::discover::outcome::{Discovery, NamedEffect, NextExperiment, Rung, WhereRow};
+use crate::simulate::experiment::Experiment;
+
+/// The JSON document of a discovery.
+#[derive(Debug, Serialize)]
+pub struct Document<'a> {
+    verdict: &'static str,
+    sentence: &'a str,
+    effects: Vec<EffectJson<'a>>,
+    base: BTreeMap<&'static str, Quantity>,
+    ladder: Vec<RungJson>,
+    noise_floor: f64,
+    #[serde(rename = "where")]
+    where_map: Vec<WhereJson<'a>>,
+    candidates: Vec<CandidateJson<'a>>,
+    next_experiment: Option<NextJson<'a>>,
+    remarks: &'a [String],
+    segments: [usize; 2],
+    seconds: f64,
+    provenance: ProvenanceJson<'a>,
+}
+
+#[derive(Debug, Serialize)]
+struct Quantity {
+    value: f64,
+    se: f64,
+    unit: String,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectJson<'a> {
+    name: &'static str,
+    title: &'static str,
+    law: &'static str,
+    parameters: BTreeMap<&'a str, Quantity>,
+    rivals: Vec<RivalJson>,
+}
+
+#[derive(Debug, Serialize)]
+struct RivalJson {
+    name: &'static str,
+    delta: f64,
+    z: f64,
+    tied: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct RungJson {
+    effects: Vec<&'static str>,
+    fit_rmse: f64,
+    holdout_rmse: f64,
+    holdout_open_loop_rmse: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct WhereJson<'a> {
+    coordinate: &'static str,
+    unit: &'a str,
+    r2: f64,
+    r2_after: f64,
+    /// Centre, mean, standard error of each bin.
+    curve: &'a [[f64; 3]],
+    curve_after: &'a [[f64; 3]],
+}
+
+#[derive(Debug, Serialize)]
+struct CandidateJson<'a> {
+    name: &'static str,
+    delta: f64,
+    z: f64,
+    lambda: f64,
+    fate: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct NextJson<'a> {
+    experiment: &'a Experiment,
+    /// The same as `breakaway run` takes it; JSON has no infinity for a limit that is not set.
+    toml: Option<String>,
+    separates: Vec<&'static str>,
+    difference_over_noise: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct InputJson<'a> {
+    file: &'a str,
+    sha256: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct ProvenanceJson<'a> {
+    inputs: Vec<InputJson<'a>>,
+    version: &'a str,
+    command: &'a str,
+}
+
+impl<'a> From<&'a NamedEffect> for EffectJson<'a> {
+    fn from(effect: &'a NamedEffect) -> Self {
+        let definition = effect.kind.definition();
+        let quantities =
+            effect.parameters.iter().map(|p| (p.symbol, Quantity { value: p.value, se: p.se, unit: p.unit.clone() }));
+        let rivals =
+            effect.rivals.iter().map(|r| RivalJson { name: r.kind.name(), delta: r.delta, z: r.z, tied: r.tied });
+        Self {
+            name: definition.name,
+            title: definition.title,
+            law: definition.law,
+            parameters: quantities.collect(),
+            rivals: rivals.collect(),
+        }
+    }
+}
+
+impl From<&Rung> for RungJson {
+    fn from(rung: &Rung) -> Self {
+        Self {
+            effects: rung.effects.iter().map(|kind| kind.name()).collect(),
+            fit_rmse: rung.fit_rmse,
+            holdout_rmse: rung.holdout_rmse,
+            holdout_open_loop_rmse: rung.holdout_open_loop_rmse,
+        }
+    }
+}
+
+impl<'a> From<&'a WhereRow> for WhereJson<'a> {
+    fn from(row: &'a WhereRow) -> Self {
+        Self {
+            coordinate: row.coordinate,
+            unit: &row.unit,
+            r2: row.r2,
+            r2_after: row.r2_after,
+            curve: &row.curve,
+            curve_after: &row.curve_after,
+        }
+    }
+}
+
+impl<'a> From<&'a NextExperiment> for NextJson<'a> {
+    fn from(next: &'a NextExperiment) -> Self {
+        Self {
+            experiment: &next.experiment,
+            toml: toml::to_string(&next.experiment).ok(),
+            separates: next.separates.iter().map(|kind| kind.name()).collect(),
+            difference_over_noise: next.difference_over_noise,
+        }
+    }
+}
+
+impl<'a> From<&'a Discovery> for Document<'a> {
+    fn from(discovery: &'a Discovery) -> Self {
+        let units = &discovery.units;
+        let base = discovery.ladder.last().map_or_else(BTreeMap::new, |rung| {
+            let [b, c, f1] = discovery.base_se;
+            [
+                ("b", Quantity { value: rung.base.b, se: b, unit: units.of_b() }),
+                ("c", Quantity { value: rung.base.c, se: c, unit: units.of_c() }),
+                ("f1", Quantity { value: rung.base.f1, se: f1, unit: units.of_f1() }),
+            ]
+            .into()
+        });
+        let candidates = discovery.candidates.iter().map(|c| CandidateJson {
+            name: c.kind.name(),
+            delta: c.delta,
+            z: c.z,
+            lambda: c.lambda,
+            fate: &c.fate,
+        });
+        let inputs = discovery.provenance.inputs.iter().map(|(file, sha256)| InputJson { file, sha256 });
+        Self {
+            verdict: discovery.verdict.name(),
+            sentence: &discovery.sentence,
+            effects: discovery.effects.iter().map(EffectJson::from).collect(),
+            base,
+            ladder: discovery.ladder.iter().map(RungJson::from).collect(),
+            noise_floor: discovery.noise_floor,
+            where_map: discovery.where_map.iter().map(WhereJson::from).collect(),
+            candidates: candidates.collect(),
+            next_experiment: discovery.next_experiment.as_ref().map(NextJson::from),
+            remarks: &discovery.remarks,
+            segments: discovery.segments.into(),
+            seconds: discovery.seconds,
+            provenance: ProvenanceJson {
+                inputs: inputs.collect(),
+                version: &discovery.provenance.version,
+                command: &discovery.provenance.command,
+            },
+        }
+    }
+}

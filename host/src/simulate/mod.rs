@@ -1,0 +1,52 @@
+//! The simulated axis: event-exact base plant, stepped plant with any effects, sampled experiments.
+
+pub mod axis;
+pub mod exact;
+pub mod experiment;
+pub mod limit_cycle;
+pub mod suite;
+
+/// Why an experiment could not be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulateError {
+    /// The experiment file cannot be read.
+    #[error("cannot read the experiment {file}: {reason}")]
+    Unreadable {
+        /// File.
+        file: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// The experiment file is not what it should be.
+    #[error("{file} is not an experiment: {reason}")]
+    Malformed {
+        /// File.
+        file: String,
+        /// Line, and what was expected.
+        reason: String,
+    },
+    /// A field is out of range.
+    #[error("{field} = {value} is out of range: it must be {need}")]
+    Range {
+        /// Field of the experiment file.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        need: &'static str,
+    },
+    /// The relay refuses its configuration.
+    #[error("the relay refuses its configuration: {0}")]
+    Relay(String),
+    /// The position left the range of numbers.
+    #[error("the simulation of {experiment} diverged at t = {t} s: the model is unstable or its units are wrong")]
+    Diverged {
+        /// Experiment.
+        experiment: String,
+        /// Session time, s.
+        t: f64,
+    },
+    /// The axis does not move.
+    #[error("the axis does not break away below the drive limit of {0}: raise the limit, or free the axis")]
+    NoBreakaway(f64),
+}

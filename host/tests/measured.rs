@@ -1,0 +1,74 @@
+//! The measured recordings (`../shared/data` beside the project, or `BREAKAWAY_DATA`) are read with nothing but column flags.
+
+use std::path::PathBuf;
+
+use breakaway::recording::{ReadOptions, Recording, Warning};
+
+/// The folder of measured recordings. Its absence is a failure in CI; elsewhere the test says that it was not run.
+fn data() -> Option<PathBuf> {
+    let folder = std::env::var_os("BREAKAWAY_DATA")
+        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")), PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    assert!(std::env::var_os("CI").is_none(), "no recordings in {}", folder.display());
+    eprintln!(
+        "NOT RUN: no recordings in {}; EMPS is at nonlinearbenchmark.org, set BREAKAWAY_DATA to its folder",
+        folder.display()
+    );
+    None
+}
+
+fn columns(time: &str, input: &str, position: &str) -> ReadOptions {
+    ReadOptions {
+        time: Some(time.to_owned()),
+        input: Some(input.to_owned()),
+        position: Some(position.to_owned()),
+        ..ReadOptions::default()
+    }
+}
+
+/// EMPS: 24 841 rows at 1 kHz (times printed to 10 digits), 50 nm per count.
+#[test]
+fn emps_is_evenly_sampled_and_its_encoder_step_is_found() {
+    let Some(data) = data() else { return };
+    let options = columns("t_s", "u_V", "x_m");
+    let emps = Recording::read(&data.join("emps/emps_train.csv"), &options).unwrap();
+    assert_eq!((emps.t.len(), emps.gaps.len()), (24_841, 0));
+    assert_eq!((emps.units.u.as_str(), emps.units.x.as_str()), ("V", "m"));
+    assert_eq!(emps.encoder_step, Some(5e-8));
+    // Start and end are printed to 1e-8 s.
+    assert!((emps.evenly_sampled().unwrap() - 1e-3).abs() < 1e-11);
+    assert_eq!(emps.warnings(), []);
+}
+
+/// LAAS: jitter of 0.2 to 7 ms around 1.000 ms, one interval long enough to be a gap; 3.14e-4 rad per count, printed to 1e-5 rad.
+#[test]
+fn laas_has_jitter_a_gap_and_an_encoder_step() {
+    let Some(data) = data() else { return };
+    let options = columns("t_s", "iq_A", "x_rad");
+    let path = data.join("laas-motor/current-sine-2hz.csv");
+    let laas = Recording::read(&path, &options).unwrap();
+    assert_eq!(laas.t.len(), 26_999);
+    assert_eq!(laas.evenly_sampled(), None);
+    let timing = laas.timing();
+    assert!((timing.median_s - 1e-3).abs() < 1e-6 && timing.gaps == 1);
+    // 20 000 counts per turn; the print's rounding averages out over the 4096 smallest differences.
+    let step = laas.encoder_step.unwrap();
+    assert!((step - std::f64::consts::TAU / 20_000.0).abs() < 3e-7, "{step}");
+    assert_eq!(laas.segments().len(), 2);
+    assert!(matches!(laas.warnings()[..], [Warning::Gaps { count: 1, .. }, Warning::Jitter { .. }]));
+}
+
+#[test]
+fn half_of_a_laas_recording_is_picked_by_its_column() {
+    let Some(data) = data() else { return };
+    let mut options = columns("t_s", "iq_A", "x_rad");
+    let path = data.join("laas-motor/speed-control.csv");
+    let mut rows = 0;
+    for half in ["anticog_on=0", "anticog_on=1"] {
+        options.select = vec![half.parse().unwrap()];
+        rows += Recording::read(&path, &options).unwrap().t.len();
+    }
+    assert_eq!(rows, 30_001);
+}

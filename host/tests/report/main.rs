@@ -1,0 +1,146 @@
+//! The report of a discovery made by hand: its text, its JSON, and that its figures are sound.
+
+mod sample;
+
+use std::path::Path;
+
+use breakaway::discover::outcome::Discovery;
+use breakaway::report::discovery;
+use breakaway::report::json::Document;
+
+/// Every sample under its name. The pages are left in the target folder, for whoever wants to look at them.
+fn samples() -> [(&'static str, Discovery); 2] {
+    [("explained", sample::explained()), ("unknown", sample::unknown())]
+}
+
+fn html(name: &str, sample: &Discovery) -> String {
+    let html = discovery::html(sample);
+    std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.html")), &html).unwrap();
+    html
+}
+
+/// `text` without what lies between `open` and `close`.
+fn without(text: &str, open: &str, close: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(open) {
+        out.push_str(&rest[..start]);
+        let end = rest[start..].find(close).expect("closed") + start + close.len();
+        rest = &rest[end..];
+    }
+    out + rest
+}
+
+/// What a reader reads, a line per element; the wide drawing stands for both.
+fn skeleton(html: &str) -> String {
+    let text = without(&without(html, "<style>", "</style>"), "<div class=\"narrow\">", "</div>");
+    let text = without(&text.replace("</t", " </t"), "<", ">");
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn text_of_the_pages() {
+    for (name, sample) in samples() {
+        insta::assert_snapshot!(format!("{name}_text"), skeleton(&html(name, &sample)));
+    }
+}
+
+#[test]
+fn json_of_the_discoveries() {
+    for (name, mut sample) in samples() {
+        for row in &mut sample.where_map {
+            row.curve.truncate(2);
+            row.curve_after.truncate(1);
+        }
+        let json = serde_json::to_string_pretty(&Document::from(&sample)).unwrap();
+        insta::assert_snapshot!(format!("{name}_json"), json);
+    }
+}
+
+#[test]
+fn no_page_refers_to_anything_outside() {
+    for (name, sample) in samples() {
+        let html = html(name, &sample);
+        for reference in ["://", "src=", "href=", "url(", "@import", "<script", "<link"] {
+            assert!(!html.contains(reference), "{name}: {reference}");
+        }
+    }
+}
+
+/// Tags are balanced, attributes quoted, and no bare `&` or `<` is left: well-formed XML.
+fn assert_well_formed(svg: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = svg;
+    while let Some(start) = rest.find('<') {
+        let text = &rest[..start];
+        assert!(text.split('&').skip(1).all(|after| after.contains(';')), "bare & in {text}");
+        let end = start + rest[start..].find('>').expect("tag ends");
+        let tag = &rest[start + 1..end];
+        rest = &rest[end + 1..];
+        assert!(!tag.contains('<') && tag.matches('"').count().is_multiple_of(2), "{tag}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') {
+            open.push(tag.split_whitespace().next().expect("a name"));
+        }
+    }
+    assert!(open.is_empty(), "{open:?} never closed");
+}
+
+#[test]
+fn figures_are_well_formed_and_finite_and_described() {
+    for (name, sample) in samples() {
+        let html = html(name, &sample);
+        let mut seen = 0;
+        for part in html.split("<div class=\"").skip(1) {
+            let Some(start) = part.find("<svg ").filter(|_| part.starts_with("wide") || part.starts_with("narrow"))
+            else {
+                continue;
+            };
+            let svg = &part[start..part.find("</div>").expect("closed")];
+            assert_well_formed(svg);
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}: a number that is not finite");
+            assert!(svg.contains("<title>") && svg.contains("<desc>") && svg.contains("role=\"img\""));
+            seen += 1;
+        }
+        // Ladder, overlay, map and at least one curve, each at two widths.
+        assert!(seen >= 8 && seen % 2 == 0, "{name}: {seen} drawings");
+        assert_well_formed(&discovery::ladder_figure(&sample).file());
+    }
+}
+
+#[test]
+fn a_parameter_without_error_is_held() {
+    let html = html("explained", &sample::explained());
+    assert!(html.contains("2.0000 (held)"));
+    assert!(!html.contains("NaN"));
+}
+
+#[test]
+fn figures_survive_data_that_are_not_numbers() {
+    let mut sample = sample::explained();
+    for rung in &mut sample.ladder {
+        (rung.fit_rmse, rung.holdout_rmse, rung.holdout_open_loop_rmse) = (f64::NAN, f64::INFINITY, 0.0);
+    }
+    sample.noise_floor = 0.0;
+    sample.overlays[0].before[17] = f64::NAN;
+    sample.overlays[0].after.fill(f64::INFINITY);
+    sample.where_map[0].curve[3] = [f64::NAN; 3];
+    sample.where_map[1].curve.clear();
+    sample.where_map[1].r2 = f64::NAN;
+    let html = discovery::html(&sample);
+    assert!(!html.contains("NaN") && !html.contains(">inf"));
+}
+
+#[test]
+fn the_overlay_keeps_its_points_few_and_its_drive_square() {
+    let sample = sample::explained();
+    let svg = discovery::overlay_figure(&sample, &sample.overlays[0]).file();
+    // Five lines of at most 2002 points; a point takes at most 12 letters.
+    assert!(svg.len() < 5 * 2002 * 12 + 10_000, "{} bytes", svg.len());
+    // The last such line: the first is the legend's.
+    let drive = svg.lines().rfind(|line| line.starts_with("<path class=\"drive\""));
+    // About 5.5 periods of four switchings each, two corners per switching.
+    let corners = drive.expect("a drive").matches('L').count();
+    assert!((30..60).contains(&corners), "{corners} corners");
+}
