@@ -1,0 +1,261 @@
+//! Random machines and random effect parameters, by seed.
+//!
+//! **Size.** With `F = size·A0`, A0 the suite's largest relay level h1 + h2 (V):
+//! - bias, stribeck s, stiction s, cogging A, gravity m, time_periodic A, dead_zone d, pwm d,
+//!   friction_drift s, force_well, torque_bursts, and velocity_ripple peak: equal to F;
+//! - load_friction k, position_gain: F at the drive A0; saturation: u_max = A0 − F;
+//!   gain_drift: F lost at the drive A0 at the end of the session;
+//! - position_friction: f1·k = F, with k ≤ 0.9;
+//! - asymmetric_viscous, quadratic_drag, spring, inertia_step, encoder_eccentricity: the parameter
+//!   for which the largest force over the session's own motion is F (calibrated by simulation;
+//!   caps: d ≤ 0.8c, −0.6 ≤ Δ ≤ 3, A ≤ 0.5 rad);
+//! - delay, electrical_lag: ω·τ = size at the high relay's frequency ω, so that the fundamental of
+//!   u(t) − u(t−τ) is F;
+//! - backlash: gap = size × peak-to-peak of the high relay's cycle, at least 4 encoder steps;
+//!   load 20–60 % of b, nearly plastic contact (200 Hz, damping ratio 0.8), friction on the motor only;
+//! - dahl, lugre: f1/σ0 = size × that peak-to-peak, at least 2 encoder steps (lugre also s = F/2);
+//! - flexible_coupling: mass ratio 0.05 + 1.2·size, resonance 15–60 Hz.
+
+use crate::law::{Bristle, Law, Pwm, Second, Stribeck, Wave};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::{PI, TAU};
+
+/// The base parameters of b·ẍ + c·ẋ + f1·sgn ẋ = u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Base {
+    /// Inertia, V·s²/rad.
+    pub b: f64,
+    /// Viscous coefficient (with back-EMF), V·s/rad.
+    pub c: f64,
+    /// Coulomb level, V.
+    pub f1: f64,
+}
+
+/// A random machine: base plant, encoder and drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Machine {
+    /// Base parameters.
+    pub base: Base,
+    /// Encoder step, rad.
+    pub encoder_step: f64,
+    /// Standard deviation of the Gaussian noise added before quantisation, rad.
+    pub noise_sigma: f64,
+    /// Largest drive, V.
+    pub drive_limit: f64,
+    /// A0, the high relay's h1 + h2, V.
+    pub amplitude: f64,
+}
+
+/// Uniform in the logarithm.
+pub fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
+    rng.random_range(low.ln()..=high.ln()).exp()
+}
+
+impl Machine {
+    /// Around the papers' plant: b and c within ×0.3–3, f1 0.2–1 V, 2000–20000 steps per turn.
+    /// Drawn again until the relays' cycles are neither lost in the encoder nor too slow to repeat.
+    pub(crate) fn draw(rng: &mut ChaCha8Rng) -> Self {
+        loop {
+            let base = Base {
+                b: 0.02685 * log_uniform(rng, 0.3, 3.0),
+                c: 0.11 * log_uniform(rng, 0.3, 3.0),
+                f1: log_uniform(rng, 0.2, 1.0),
+            };
+            let lines = (log_uniform(rng, 2000.0, 20000.0) / 4.0).round() * 4.0;
+            let encoder_step = TAU / lines;
+            let machine = Self {
+                base,
+                encoder_step,
+                noise_sigma: rng.random_range(0.3..=1.0) * encoder_step,
+                drive_limit: 5.0,
+                amplitude: (7.0 * base.f1).min(4.9),
+            };
+            let (omega, a) = machine.relay_cycle();
+            let period = TAU / omega;
+            if (0.08..1.2).contains(&period) && a > 25.0 * encoder_step && a < 4.0 {
+                return machine;
+            }
+        }
+    }
+
+    /// Frequency (rad/s) and amplitude (rad) of the high relay's cycle on the base plant, by the
+    /// describing function (identification.md section 2).
+    pub(crate) fn relay_cycle(&self) -> (f64, f64) {
+        let Base { b, c, f1 } = self.base;
+        let (h1, h2) = (0.75 * self.amplitude, 0.25 * self.amplitude);
+        let surplus = h2 - f1;
+        (h1 * c / (b * surplus), 4.0 * b * surplus * surplus / (PI * c * c * h1))
+    }
+
+    /// The base plant.
+    pub(crate) fn law(&self) -> Law {
+        Law { b: self.base.b, c: self.base.c, f1: self.base.f1, ..Law::default() }
+    }
+}
+
+/// What the effects are sized against: the motion of the base plant in the same experiments.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    pub amplitude: f64,
+    pub omega: f64,
+    pub peak_to_peak: f64,
+    pub encoder_step: f64,
+    pub speed: f64,
+    pub acceleration: f64,
+    pub positions: Vec<f64>,
+    pub travel: f64,
+    pub fit_end: f64,
+    pub end: f64,
+}
+
+impl Reference {
+    /// A whole number of cycles per turn, of which the travel covers at least two.
+    fn waves(&self, rng: &mut ChaCha8Rng) -> f64 {
+        let least = (2.0 * TAU / self.travel).ceil().max(3.0);
+        log_uniform(rng, least, (3.0 * least).max(24.0)).round()
+    }
+}
+
+/// Puts the named effect into the law, `size` as a fraction of the amplitude.
+pub fn hide(law: &mut Law, name: &str, size: f64, to: &Reference, rng: &mut ChaCha8Rng) {
+    let force = size * to.amplitude;
+    let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    let phi = rng.random_range(-PI..PI);
+    let stribeck = |s: f64, rng: &mut ChaCha8Rng| Stribeck {
+        s,
+        vs: to.speed * log_uniform(rng, 0.02, 0.15),
+        p: if rng.random_bool(0.5) { 1.0 } else { 2.0 },
+    };
+    match name {
+        "constant_load" => law.bias = side * force,
+        "asymmetric_viscous" => law.d_asym = side * (force / to.speed).min(0.8 * law.c),
+        "stribeck" => law.stribeck = Some(stribeck(force, rng)),
+        "stiction" => law.stiction = force,
+        "dahl" | "lugre" => {
+            let slip = (size * to.peak_to_peak).max(2.0 * to.encoder_step);
+            let sigma0 = law.f1 / slip;
+            let lugre = name == "lugre";
+            let damping = rng.random_range(0.2..0.8);
+            law.bristle = Some(Bristle {
+                sigma0,
+                sigma1: if lugre { 2.0 * damping * (sigma0 * law.b).sqrt() } else { 0.0 },
+                stribeck: lugre.then(|| Stribeck { p: 2.0, ..stribeck(0.5 * force, rng) }),
+            });
+        }
+        "quadratic_drag" => law.drag = force / (to.speed * to.speed),
+        "load_friction" => law.k_load = size,
+        "position_friction" => {
+            let n = to.waves(rng);
+            law.friction_wave = Some(Wave { a: (force / law.f1).min(0.9), n, phi });
+        }
+        "cogging" => {
+            let n = to.waves(rng);
+            let second = if rng.random_bool(0.5) { 0.3 } else { 0.0 };
+            law.cogging = Some(Wave { a: force, n, phi });
+            law.cogging2 =
+                (second > 0.0).then(|| Wave { a: second * force, n: 2.0 * n, phi: rng.random_range(-PI..PI) });
+        }
+        "gravity_load" => {
+            law.gravity = Some(Wave { a: force, n: 1.0, phi });
+        }
+        "spring" => {
+            let x0 = 0.3 * to.travel * rng.random_range(-0.5..0.5);
+            let reach = to.positions.iter().fold(0.0, |m: f64, x| m.max((x - x0).abs()));
+            law.spring = Some((force / reach, x0));
+        }
+        "time_periodic" => {
+            law.periodic = Some(Wave { a: force, n: TAU * log_uniform(rng, 0.7, 9.0), phi });
+        }
+        "backlash" => {
+            let ratio = rng.random_range(0.2..0.6);
+            let gap = (size * to.peak_to_peak).max(4.0 * to.encoder_step);
+            law.second = Some(second_body(law.b, ratio, gap, 200.0, 0.8));
+        }
+        "flexible_coupling" => {
+            let frequency = log_uniform(rng, 15.0, 60.0);
+            let damping = rng.random_range(0.01..0.08);
+            law.second = Some(second_body(law.b, 0.05 + 1.2 * size, 0.0, frequency, damping));
+        }
+        "dead_zone" => law.dead_zone = force,
+        "saturation" => law.u_max = Some(to.amplitude - force),
+        "pwm_dead_time" => {
+            law.pwm = Some(Pwm {
+                d: force,
+                i0: to.amplitude * rng.random_range(0.02..0.15),
+                ke: law.c * rng.random_range(0.4..0.9),
+            });
+        }
+        "delay" => law.delay = size / to.omega,
+        "electrical_lag" => law.lag = size / to.omega,
+        "encoder_eccentricity" => {
+            // Crude first value; the calibration sets the force.
+            law.eccentricity = Some(Wave { a: size.min(0.5), n: 1.0, phi });
+        }
+        "friction_drift" => law.friction_drift = Some((force, rng.random_range(8.0..30.0))),
+        "gain_drift" => law.gain_drift = size / to.end,
+        "inertia_step" => {
+            let t0 = (rng.random_range(0.3..0.7) * to.fit_end * 1e3).round() / 1e3;
+            let delta = side * force / (law.b * to.acceleration);
+            law.inertia_step = Some((t0, delta.clamp(-0.6, 3.0)));
+        }
+        "force_well" => {
+            let centre = to.positions[rng.random_range(0..to.positions.len())];
+            let width = rng.random_range(0.1..0.4f64).min(0.1 * to.travel);
+            law.well = Some((centre, width, force));
+        }
+        "torque_bursts" => law.bursts = bursts(force, to.end, rng),
+        "velocity_ripple" => {
+            law.ripple = Some((force, TAU * rng.random_range(1.5..4.0) / to.speed));
+        }
+        "position_gain" => {
+            let n = to.waves(rng).min(12.0);
+            law.position_gain = Some(Wave { a: size, n, phi });
+        }
+        _ => {}
+    }
+}
+
+/// Load behind a spring whose resonance against the motor is `frequency` (Hz), damping ratio `damping`.
+fn second_body(b: f64, ratio: f64, gap: f64, frequency: f64, damping: f64) -> Second {
+    let reduced = ratio * (1.0 - ratio) * b;
+    let omega = TAU * frequency;
+    Second { ratio, gap, k: reduced * omega * omega, d: 2.0 * damping * reduced * omega }
+}
+
+/// Half-sine bursts of 30–200 ms, on average one every 0.8 s; the first has the full force.
+fn bursts(force: f64, end: f64, rng: &mut ChaCha8Rng) -> Vec<(f64, f64, f64)> {
+    let mut list = Vec::new();
+    let mut t = 0.5;
+    while t < end {
+        let duration = log_uniform(rng, 0.03, 0.2);
+        let share = if list.is_empty() { 1.0 } else { rng.random_range(0.6..1.0) };
+        let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        list.push((t, duration, side * share * force));
+        t += duration + rng.random_range(0.1..1.3);
+    }
+    list
+}
+
+/// Whether the largest force of this effect depends on the motion and is set by simulation.
+pub fn is_calibrated(name: &str) -> bool {
+    matches!(name, "asymmetric_viscous" | "quadratic_drag" | "spring" | "inertia_step" | "encoder_eccentricity")
+}
+
+/// Multiplies the calibrated parameter, within its cap.
+pub fn rescale(law: &mut Law, name: &str, factor: f64) {
+    match name {
+        "asymmetric_viscous" => {
+            law.d_asym = (law.d_asym * factor).clamp(-0.8 * law.c, 0.8 * law.c);
+        }
+        "quadratic_drag" => law.drag *= factor,
+        "spring" => law.spring = law.spring.map(|(k, x0)| (k * factor, x0)),
+        "inertia_step" => {
+            law.inertia_step = law.inertia_step.map(|(t0, delta)| (t0, (delta * factor).clamp(-0.6, 3.0)));
+        }
+        "encoder_eccentricity" => {
+            law.eccentricity = law.eccentricity.map(|w| Wave { a: (w.a * factor).min(0.5), ..w });
+        }
+        _ => {}
+    }
+}

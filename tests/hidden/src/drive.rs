@@ -1,0 +1,65 @@
+//! The drive path: what becomes of the recorded, zero-order-held drive before it acts as a force.
+//! Order: gain drift, saturation, dead zone, delay, electrical pole.
+
+use crate::law::Law;
+
+/// Memory of the drive path within one recording (the drive is 0 before it starts).
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    shaped: Vec<f64>,
+    /// Sum of the samples before each one.
+    before: Vec<f64>,
+    lagged: f64,
+    /// Index of the sample that is being held.
+    held: usize,
+}
+
+impl Law {
+    /// Static part of the drive path at session time t.
+    pub fn shape(&self, u: f64, t: f64) -> f64 {
+        let drifted = u * (1.0 - self.gain_drift * t);
+        let clipped = self.u_max.map_or(drifted, |limit| drifted.clamp(-limit, limit));
+        clipped.signum() * (clipped.abs() - self.dead_zone).max(0.0)
+    }
+}
+
+impl Drive {
+    /// Begins to hold the next sample.
+    pub fn hold(&mut self, law: &Law, u: f64, t: f64) {
+        let past = match (self.before.last(), self.shaped.last()) {
+            (Some(before), Some(last)) => before + last,
+            _ => 0.0,
+        };
+        self.before.push(past);
+        self.held = self.shaped.len();
+        self.shaped.push(law.shape(u, t));
+    }
+
+    /// Mean delivered drive over the piece `[offset, offset + h]` of the held sample of length `ts`.
+    /// The mean is exact for a delay of any fraction of a sample, and for the pole within a piece.
+    pub fn deliver(&mut self, law: &Law, offset: f64, h: f64, ts: f64) -> f64 {
+        let delayed = if law.delay > 0.0 {
+            let end = (self.held as f64 + (offset + h - law.delay) / ts) * ts;
+            (self.integral(end, ts) - self.integral(end - h, ts)) / h
+        } else {
+            self.shaped[self.held]
+        };
+        if law.lag <= 0.0 {
+            return delayed;
+        }
+        let decay = (-h / law.lag).exp();
+        let start = self.lagged;
+        self.lagged = delayed + (start - delayed) * decay;
+        delayed + (start - delayed) * (1.0 - decay) * law.lag / h
+    }
+
+    /// ∫ of the held drive from the start to time `t` of this recording.
+    fn integral(&self, t: f64, ts: f64) -> f64 {
+        let position = t / ts;
+        if position < 0.0 {
+            return 0.0;
+        }
+        let index = (position as usize).min(self.held);
+        ts * (self.before[index] + (position - index as f64) * self.shaped[index])
+    }
+}

@@ -1,0 +1,106 @@
+//! The names that can be hidden: the catalogue of the discovery specification, and what is outside it.
+
+use std::fmt;
+
+/// The catalogue's names, exactly as in the table of effects (its `dahl, lugre` row is two names).
+pub const CATALOGUE: [&str; 24] = [
+    "constant_load",
+    "asymmetric_viscous",
+    "stribeck",
+    "stiction",
+    "dahl",
+    "lugre",
+    "quadratic_drag",
+    "load_friction",
+    "position_friction",
+    "cogging",
+    "gravity_load",
+    "spring",
+    "time_periodic",
+    "backlash",
+    "flexible_coupling",
+    "dead_zone",
+    "saturation",
+    "pwm_dead_time",
+    "delay",
+    "electrical_lag",
+    "encoder_eccentricity",
+    "friction_drift",
+    "gain_drift",
+    "inertia_step",
+];
+
+/// Effects that no catalogue entry describes: the right verdict is "unknown" or "partly explained".
+pub const OUTSIDE: [&str; 4] = ["force_well", "torque_bursts", "velocity_ripple", "position_gain"];
+
+/// What is hidden in the plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hidden {
+    /// Nothing: the base model is the whole truth.
+    None,
+    /// One of [`CATALOGUE`].
+    Catalogue(&'static str),
+    /// One of [`OUTSIDE`].
+    Outside(&'static str),
+}
+
+/// A name that is neither in [`CATALOGUE`] nor in [`OUTSIDE`] (nor `none`).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownEffect(pub String);
+
+impl fmt::Display for UnknownEffect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no effect is called `{}`", self.0)
+    }
+}
+
+impl std::error::Error for UnknownEffect {}
+
+impl Hidden {
+    /// The effect of that name; `none` is [`Hidden::None`].
+    ///
+    /// # Errors
+    /// [`UnknownEffect`] with the name, when it is in neither list.
+    pub fn named(name: &str) -> Result<Self, UnknownEffect> {
+        let find = |list: &[&'static str]| list.iter().copied().find(|n| *n == name);
+        if name == "none" {
+            return Ok(Self::None);
+        }
+        find(&CATALOGUE)
+            .map(Self::Catalogue)
+            .or_else(|| find(&OUTSIDE).map(Self::Outside))
+            .ok_or_else(|| UnknownEffect(name.to_owned()))
+    }
+
+    /// The effect's name, `none` for [`Hidden::None`].
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Catalogue(name) | Self::Outside(name) => name,
+        }
+    }
+
+    /// The coordinate along which the effect lives, as the report should name it.
+    pub fn coordinate(self) -> &'static str {
+        match self.name() {
+            "constant_load" => "direction",
+            "asymmetric_viscous" | "stribeck" | "quadratic_drag" | "velocity_ripple" => "velocity",
+            "stiction" => "rest",
+            "dahl" | "lugre" | "backlash" => "distance since reversal",
+            "flexible_coupling" => "frequency",
+            "load_friction" | "dead_zone" | "saturation" => "drive level",
+            "pwm_dead_time" => "drive level and velocity",
+            "delay" | "electrical_lag" => "time since drive edge",
+            "position_friction" => "position and direction",
+            "cogging" | "gravity_load" | "spring" | "force_well" | "encoder_eccentricity" => "position",
+            "position_gain" => "position and drive level",
+            "time_periodic" | "torque_bursts" | "friction_drift" | "gain_drift" | "inertia_step" => "session time",
+            _ => "none",
+        }
+    }
+
+    /// The effect's place in the two lists (catalogue first), used to give each its own random stream.
+    pub(crate) fn index(self) -> u64 {
+        CATALOGUE.iter().chain(&OUTSIDE).position(|n| *n == self.name()).map_or(0, |i| i as u64 + 1)
+    }
+}

@@ -1,0 +1,99 @@
+//! How much of the truth the base model misses: as a force, and as a position.
+
+use crate::{
+    draw::Machine,
+    law::Law,
+    plant::{Plant, State, TS},
+    session::Trace,
+};
+
+/// Segment over which the base plant is run open loop for the visibility, samples.
+const SEGMENT: usize = 400;
+/// Sub-steps for those runs.
+const SUBSTEPS: usize = 4;
+
+/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder:
+/// b·Δv/Ts + c·Δx/Ts + friction − u, friction being whatever within ±f1 explains most of it in the
+/// samples that hold a reversal or rest. The last sample has no end and is 0.
+pub fn gap_force(machine: &Machine, trace: &Trace) -> Vec<f64> {
+    let base = machine.base;
+    let mut gap: Vec<f64> = (1..trace.u.len())
+        .map(|k| {
+            let (v0, v1) = (trace.y_rate[k - 1], trace.y_rate[k]);
+            let motion = base.b * (v1 - v0) / TS + base.c * (trace.y[k] - trace.y[k - 1]) / TS;
+            let needed = motion - trace.u[k - 1];
+            if v0 * v1 > 0.0 { needed + base.f1 * v0.signum() } else { needed + (-needed).clamp(-base.f1, base.f1) }
+        })
+        .collect();
+    gap.push(0.0);
+    gap
+}
+
+/// RMS of the gap after the base parameters absorbed what they can (least squares of the gap on
+/// acceleration, velocity and direction over the moving samples), and the plain RMS over the same.
+pub fn gap_rms(traces: &[Trace], gaps: &[Vec<f64>]) -> (f64, f64) {
+    let mut normal = [[0.0; 4]; 3];
+    let (mut squares, mut count) = (0.0, 0.0_f64);
+    for (trace, gap) in traces.iter().zip(gaps) {
+        for (k, gap) in gap.iter().enumerate().take(trace.u.len().saturating_sub(1)) {
+            let (v0, v1) = (trace.y_rate[k], trace.y_rate[k + 1]);
+            if v0 * v1 <= 0.0 {
+                continue;
+            }
+            let row = [(v1 - v0) / TS, 0.5 * (v0 + v1), v0.signum(), *gap];
+            for i in 0..3 {
+                for j in 0..4 {
+                    normal[i][j] += row[i] * row[j];
+                }
+            }
+            squares += gap * gap;
+            count += 1.0;
+        }
+    }
+    let right = [normal[0][3], normal[1][3], normal[2][3]];
+    let solved = solve(normal);
+    let absorbed: f64 = solved.iter().zip(right).map(|(p, r)| p * r).sum();
+    let count = count.max(1.0);
+    (((squares - absorbed).max(0.0) / count).sqrt(), (squares / count).sqrt())
+}
+
+/// Gaussian elimination of a positive 3×3 system with its right-hand side as fourth column.
+fn solve(mut m: [[f64; 4]; 3]) -> [f64; 3] {
+    for i in 0..3 {
+        let pivot = m[i];
+        for row in m.iter_mut().skip(i + 1) {
+            if pivot[i] > 0.0 {
+                let factor = row[i] / pivot[i];
+                for (value, above) in row.iter_mut().zip(pivot) {
+                    *value -= factor * above;
+                }
+            }
+        }
+    }
+    let mut p = [0.0; 3];
+    for i in (0..3).rev() {
+        let known: f64 = (i + 1..3).map(|j| m[i][j] * p[j]).sum();
+        if m[i][i] > 0.0 {
+            p[i] = (m[i][3] - known) / m[i][i];
+        }
+    }
+    p
+}
+
+/// RMS difference (rad) between the encoder's exact position and the true base plant run open loop
+/// under the same drive over 0.4 s segments, each from the true encoder position and velocity.
+pub fn base_error(base: &Law, traces: &[Trace]) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0_f64);
+    for trace in traces {
+        for from in (0..trace.u.len()).step_by(SEGMENT) {
+            let start = State::moving(trace.y[from], trace.y_rate[from]);
+            let mut plant = Plant::new(base, start, SUBSTEPS);
+            for k in from..(from + SEGMENT).min(trace.u.len()) {
+                squares += (plant.state.x - trace.y[k]).powi(2);
+                count += 1.0;
+                plant.sample(trace.u[k], trace.t[k]);
+            }
+        }
+    }
+    (squares / count.max(1.0)).sqrt()
+}

@@ -1,0 +1,18 @@
+//! Tests of the hidden plant against closed forms, the table's laws and itself.
+
+mod cycles;
+mod laws;
+mod mechanics;
+mod sessions;
+
+use crate::law::Law;
+
+/// The papers' plant: b = 0.02685, c = 0.11, f1 = 0.5 (identification.md section 1).
+fn papers() -> Law {
+    Law { b: 0.02685, c: 0.11, f1: 0.5, ..Law::default() }
+}
+
+#[track_caller]
+fn close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} is not {expected} ± {tolerance}");
+}

@@ -1,0 +1,137 @@
+//! Blind discovery: a hidden case, discovered without its truth, then scored against it.
+
+use breakaway::discover::engine::{Request, discover};
+use breakaway::discover::outcome::{Discovery, Verdict};
+use breakaway::recording::{Recording, Units};
+use breakaway_hidden::{Case, Hidden, Role, Session, Truth};
+
+/// What became of one case.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    /// Seed of the case.
+    pub seed: u64,
+    /// Hidden effects.
+    pub hidden: Vec<&'static str>,
+    /// Verdict.
+    pub verdict: Verdict,
+    /// Named effects.
+    pub named: Vec<&'static str>,
+    /// Effects listed as tied with a named one.
+    pub tied: Vec<&'static str>,
+    /// Relative error of the first hidden effect's main parameter, if it was named.
+    pub parameter_error: Option<f64>,
+    /// Held-out error of the final model over that of the base.
+    pub shrink: f64,
+    /// Held-out error of the final model over the noise floor.
+    pub over_noise: f64,
+    /// Visibility of the effect (see the hidden plant).
+    pub visibility: f64,
+    /// Seconds taken.
+    pub seconds: f64,
+}
+
+/// The recordings of a session as the tool reads them.
+pub fn recordings(session: &Session, role: Role) -> Vec<Recording> {
+    session
+        .records
+        .iter()
+        .filter(|record| record.role == role)
+        .map(|record| Recording {
+            name: record.name.to_owned(),
+            t: record.t.clone(),
+            u: record.u.clone(),
+            x: record.x.clone(),
+            encoder_step: Some(session.encoder_step),
+            units: Units { u: session.drive_unit.to_owned(), x: session.position_unit.to_owned() },
+            ..Recording::default()
+        })
+        .collect()
+}
+
+/// Discovers a case blind and scores it.
+///
+/// # Errors
+/// The discovery's own error, in words.
+pub fn run(case: &Case) -> Result<(Scored, Discovery), String> {
+    let (session, truth) = case.generate_with_truth();
+    let request = Request {
+        recordings: recordings(&session, Role::Fit),
+        holdout: recordings(&session, Role::Score),
+        ..Request::default()
+    };
+    let found = discover(&request, &|_| ()).map_err(|error| error.to_string())?;
+    Ok((score(&truth, &found), found))
+}
+
+fn score(truth: &Truth, found: &Discovery) -> Scored {
+    let hidden: Vec<&'static str> =
+        truth.effects.iter().filter(|e| !matches!(e.hidden, Hidden::None)).map(|e| e.hidden.name()).collect();
+    let named: Vec<&'static str> = found.effects.iter().map(|e| e.kind.name()).collect();
+    let tied = found.effects.iter().flat_map(|e| e.rivals.iter().filter(|r| r.tied).map(|r| r.kind.name())).collect();
+    let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
+    Scored {
+        seed: truth.seed,
+        parameter_error: parameter_error(truth, found),
+        verdict: found.verdict,
+        hidden,
+        named,
+        tied,
+        shrink: last.holdout_rmse / first.holdout_rmse,
+        over_noise: last.holdout_rmse / found.noise_floor,
+        visibility: truth.visibility,
+        seconds: found.seconds,
+    }
+}
+
+/// The symbol of an effect's size in the hidden plant and in the catalogue.
+const MAIN: [(&str, &str, &str); 24] = [
+    ("constant_load", "bias", "f0"),
+    ("asymmetric_viscous", "d", "d"),
+    ("stribeck", "s", "s"),
+    ("stiction", "s", "s"),
+    ("dahl", "sigma0", "sigma"),
+    ("lugre", "sigma0", "sigma"),
+    ("quadratic_drag", "k", "k"),
+    ("load_friction", "k", "k"),
+    ("position_friction", "k", "k"),
+    ("cogging", "A", "A"),
+    ("gravity_load", "m", "m"),
+    ("spring", "k", "k"),
+    ("time_periodic", "A", "A"),
+    ("backlash", "gap", "g"),
+    ("flexible_coupling", "ratio", "mu"),
+    ("dead_zone", "d", "d"),
+    ("saturation", "u_max", "u_max"),
+    ("pwm_dead_time", "d", "d"),
+    ("delay", "tau", "tau"),
+    ("electrical_lag", "tau", "tau"),
+    ("encoder_eccentricity", "A", "A"),
+    ("friction_drift", "s", "s"),
+    ("gain_drift", "k", "k"),
+    ("inertia_step", "delta", "r"),
+];
+
+fn parameter_error(truth: &Truth, found: &Discovery) -> Option<f64> {
+    let effect = truth.effects.first()?;
+    let (name, theirs, ours) = MAIN.iter().find(|(name, ..)| *name == effect.hidden.name())?;
+    let true_value = effect.parameters.iter().find(|(symbol, _)| symbol == theirs)?.1;
+    let named = found.effects.iter().find(|e| e.kind.name() == *name)?;
+    let value = named.parameters.iter().find(|p| p.symbol == *ours)?.value;
+    // A bias and an asymmetry are signed the other way in one of the two; amplitudes absorb half a turn of phase.
+    Some((value.abs() / true_value.abs() - 1.0).abs())
+}
+
+impl Scored {
+    /// Whether all hidden effects were named, and nothing else.
+    pub fn right(&self) -> bool {
+        let mut hidden = self.hidden.clone();
+        let mut named = self.named.clone();
+        hidden.sort_unstable();
+        named.sort_unstable();
+        hidden == named
+    }
+    /// Whether something was named that is not hidden and is not listed as tied with it.
+    pub fn wrong(&self) -> bool {
+        self.named.iter().any(|name| !self.hidden.contains(name))
+    }
+}
