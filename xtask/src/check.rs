@@ -25,7 +25,9 @@ fn steps(report: &mut Report) -> Result<()> {
         setup::components()?;
         run(&mut cargo(["fmt", "--all", "--", "--check"]))
     })?;
-    report.check("clippy", || run(&mut cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])))?;
+    report.check("clippy", || {
+        run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))
+    })?;
     report.tests("host tests", || run_counting(&mut cargo(host_tests())))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--doc", "--no-fail-fast"]))
@@ -44,8 +46,8 @@ fn steps(report: &mut Report) -> Result<()> {
 /// nextest where it is installed (it runs the tests of all crates side by side), else cargo's own runner.
 fn host_tests() -> &'static [&'static str] {
     if succeeds(&mut cargo(["nextest", "--version"])) {
-        &["nextest", "run", "--workspace", "--no-fail-fast", "--status-level", "slow"]
+        &["nextest", "run", "--workspace", "--all-features", "--no-fail-fast", "--status-level", "slow"]
     } else {
-        &["test", "--workspace", "--lib", "--bins", "--tests", "--no-fail-fast"]
+        &["test", "--workspace", "--all-features", "--lib", "--bins", "--tests", "--no-fail-fast"]
     }
 }

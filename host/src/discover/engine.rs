@@ -293,9 +293,11 @@ fn preference(data: &Data, current: &Fit, tried: &[Tried], first: bool) -> Vec<u
     order
 }
 
-/// Whether paired evidence separates two models that differ by `extra` parameters.
+/// Whether paired evidence separates two models that differ by `extra` parameters: by most segments, or, where a few tell
+/// them apart (a phase of rest, an edge), by a likelihood beyond doubt.
 fn better(evidence: &Paired, extra: usize) -> bool {
-    evidence.z > TIED_Z && evidence.lambda > 8.0 + NAMING.price * extra as f64
+    let price = NAMING.price * extra as f64;
+    (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || (evidence.z > 1.2 && evidence.lambda > 100.0 + price)
 }
 
 fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival> {
@@ -307,8 +309,8 @@ fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival
             let fit = t.fit.as_ref().ok()?;
             let p = paired(&fit.mse, &winner.mse, &winner.samples, data.sigma);
             // A richer law that does no better is no rival: it has the named one as a special case, or pays for nothing.
-            let richer = fit.free.len() > winner.free.len();
-            Some(Rival { kind: t.kind, delta: p.delta, z: p.z, tied: !richer && !better(&p, 0) })
+            let idle = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
+            Some(Rival { kind: t.kind, delta: p.delta, z: p.z, tied: !idle && !better(&p, 0) })
         })
         .collect();
     rivals.sort_by(|a, b| a.delta.total_cmp(&b.delta));

@@ -1,5 +1,6 @@
 //! From recordings to a model: weak-form equation error, and output error by multiple shooting.
 
+pub mod candidate;
 pub mod cycles;
 pub mod dual;
 pub mod estimate;

@@ -67,7 +67,7 @@ impl<const N: usize> Border<N> {
 const ITERATIONS: usize = 60;
 
 /// Finds the zero of dJ/dω in `low..high` from `start`: Gauss-Newton steps of the projected problem, replaced by
-/// bisection where they leave the bracket. Stops at the precision of f64, or of 1e-7 standard errors.
+/// bisection where they leave the bracket. Stops at the precision of f64, or of 1e-5 standard errors.
 ///
 /// None if the columns become dependent, or if the cost falls all the way to an end of the bracket (no minimum inside).
 pub(super) fn refine<const N: usize>(
@@ -86,7 +86,7 @@ pub(super) fn refine<const N: usize>(
         }
         let step = point.descent / information;
         let noise = libm::sqrt(point.rss / (degrees_of_freedom * information));
-        if step.abs() <= (4.0 * f64::EPSILON * omega).max(1e-7 * noise) {
+        if step.abs() <= (4.0 * f64::EPSILON * omega).max(1e-5 * noise) {
             return Some((omega, point));
         }
         if step > 0.0 {
