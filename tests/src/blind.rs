@@ -130,7 +130,7 @@ impl Scored {
         named.sort_unstable();
         hidden == named
     }
-    /// Whether something was named that is not hidden and is not listed as tied with it.
+    /// Whether something was named that is not hidden, even if the hidden effect is listed as tied with it.
     pub fn wrong(&self) -> bool {
         self.named.iter().any(|name| !self.hidden.contains(name))
     }

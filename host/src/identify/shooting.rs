@@ -4,7 +4,7 @@
 //! Minimised is `Σ_segments n/2·log(σ² + mse)` by Levenberg–Marquardt. The logarithm bounds the influence of any one
 //! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.
 
-use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
+use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -429,11 +429,6 @@ impl Fit {
     pub fn standard_error(&self, parameter: Free) -> Option<f64> {
         let i = self.free.iter().position(|f| *f == parameter)?;
         Some(self.covariance[(i, i)].max(0.0).sqrt())
-    }
-
-    /// Whether the model carries an effect.
-    pub fn has(&self, kind: Kind) -> bool {
-        self.candidate.effects.iter().any(|effect| effect.kind == kind)
     }
 }
 
