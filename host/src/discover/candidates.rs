@@ -3,14 +3,14 @@
 //! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
 //! convergence, with a search along parameters that gradients do not find.
 
-use breakaway_core::plant::Kind;
 use breakaway_core::plant::effect::Search;
+use breakaway_core::plant::{Base, Kind};
 use rayon::prelude::*;
 
 use super::data::Data;
 use super::decide::NAMING;
 use super::screen::{Screen, Start};
-use crate::identify::shooting::{Candidate, Fit, Free, Problem, Segment};
+use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
 
 /// Share of the segments in the first heat, iterations there, and in the final.
 const FIRST_SHARE: usize = 3;
@@ -23,8 +23,16 @@ const CLOSE: f64 = 0.7;
 /// Share of the best gain from which an effect is polished.
 const COMPETITIVE: f64 = 0.4;
 /// Starts simulated per effect, and where the screen is blind to it.
-const STARTS: usize = 2;
-const BLIND_STARTS: usize = 9;
+const STARTS: usize = 4;
+const BLIND_STARTS: usize = 24;
+/// Segments on which starts are compared, half of them those that the current model fits worst; iterations there; and
+/// how many starts go on.
+const TRIAL_SEGMENTS: usize = 14;
+const TRIAL_ITERATIONS: usize = 2;
+const TRIAL_KEPT: usize = 3;
+/// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
+/// forces, or as a ratio.
+const SEED_AMPLITUDE: f64 = 0.1;
 
 /// What became of an effect of the catalogue in one round.
 #[derive(Clone, Debug)]
@@ -60,21 +68,49 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     None
 }
 
+/// The first heat: a part of the segments, the current model refitted to it, and the few on which starts are compared.
+struct Heat<'a> {
+    data: &'a Data,
+    current: Fit,
+    segments: Vec<Segment>,
+    trial: Vec<Segment>,
+    trial_initial: Vec<shooting::Start>,
+}
+
+impl<'a> Heat<'a> {
+    fn new(data: &'a Data, current: &Fit) -> Self {
+        let step = FIRST_SHARE.min(data.fit.len().div_ceil(12).max(1));
+        let part: Vec<usize> = (0..data.fit.len()).step_by(step).collect();
+        let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
+        let initial: Vec<_> = part.iter().map(|i| current.initial[*i]).collect();
+        // Gains count from the current model's own best on these segments, or they would all be offset.
+        let current = data
+            .over(&segments)
+            .fit(&current.candidate, &current.free, Some(&initial), FIRST_ITERATIONS)
+            .unwrap_or_else(|_| current.clone());
+        let mut worst: Vec<usize> = (0..segments.len()).collect();
+        worst.sort_by(|a, b| current.mse[*b].total_cmp(&current.mse[*a]));
+        let even = segments.len().div_ceil(TRIAL_SEGMENTS / 2).max(1);
+        let mut trial: Vec<usize> = (0..segments.len()).step_by(even).collect();
+        trial
+            .extend(worst.into_iter().filter(|i| i % even != 0).take(TRIAL_SEGMENTS - trial.len().min(TRIAL_SEGMENTS)));
+        let trial_initial = trial.iter().map(|i| current.initial[*i]).collect();
+        Self { data, trial: trial.into_iter().map(|i| segments[i]).collect(), trial_initial, current, segments }
+    }
+}
+
 /// Tries every effect of the catalogue on the residual of `current`.
 pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Vec<Tried> {
-    let part: Vec<usize> = (0..data.fit.len()).step_by(FIRST_SHARE.min(data.fit.len().div_ceil(12).max(1))).collect();
-    let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
-    let heat = Problem { segments: &segments, ..data.problem() };
+    let heat = Heat::new(data, current);
     let first: Vec<(Kind, Result<Fit, String>)> = Kind::ALL
         .par_iter()
         .with_max_len(1)
         .map(|&kind| match excluded(kind, &current.candidate, rotary) {
             Some(reason) => (kind, Err(reason.to_owned())),
-            None => (kind, first_heat(&heat, current, screen, kind)),
+            None => (kind, first_heat(&heat, screen, kind)),
         })
         .collect();
-    let mse: Vec<f64> = part.iter().map(|i| current.mse[*i]).collect();
-    let without = heat.cost_of(&mse);
+    let without = heat.current.cost;
     let mut gains: Vec<(usize, f64)> = first
         .iter()
         .enumerate()
@@ -127,27 +163,47 @@ fn blind(kind: Kind) -> bool {
     kind.threshold() || kind.free_memory() > 0
 }
 
-fn first_heat(heat: &Problem<'_>, current: &Fit, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
+fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
     let mut tries: Vec<Fit> = Vec::new();
+    let trial = heat.data.over(&heat.trial);
     for start in chosen(kind, screen.starts(kind)) {
-        // The weak form's base is biased where something is missing; the current one lacks the effect. The better one.
-        let bases = [current.candidate.base, start.candidate.base];
-        for &base in if blind(kind) { &bases[..1] } else { &bases[..] } {
-            let candidate = Candidate { base, ..start.candidate.clone() };
-            match heat.fit(&candidate, &Free::all(&candidate.effects), None, 1) {
+        for candidate in variants(&start.candidate, &heat.current.candidate.base) {
+            match trial.fit(&candidate, &Free::all(&candidate.effects), Some(&heat.trial_initial), TRIAL_ITERATIONS) {
                 Ok(fit) => tries.push(fit),
                 Err(error) => reason = error.to_string(),
             }
         }
     }
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let problem = heat.data.over(&heat.segments);
     tries
         .into_iter()
-        .take(2)
-        .filter_map(|fit| heat.fit(&fit.candidate, &fit.free, Some(&fit.initial), FIRST_ITERATIONS).ok())
+        .take(TRIAL_KEPT)
+        .filter_map(|fit| problem.fit(&fit.candidate, &fit.free, Some(&heat.current.initial), FIRST_ITERATIONS).ok())
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
         .ok_or(reason)
+}
+
+/// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one
+/// lacks the effect: both; and the effect small beside the current base, from where a fit cannot lose.
+fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
+    let beside = Candidate { base: *base, effects: start.effects.clone() };
+    let last = start.effects.len() - 1;
+    let parameters = start.effects[last].kind.definition().parameters;
+    let mut small = beside.clone();
+    let mut grows = false;
+    for (p, parameter) in small.effects[last].p.iter_mut().zip(parameters) {
+        if parameter.search == Search::Amplitude && parameter.default.is_none() {
+            let most = if parameter.unit == "U" { SEED_AMPLITUDE * base.f1 } else { SEED_AMPLITUDE };
+            *p *= SEED_AMPLITUDE;
+            if matches!(parameter.unit, "U" | "1") {
+                *p = p.clamp(-most, most);
+            }
+            grows = true;
+        }
+    }
+    if grows { vec![start.clone(), beside, small] } else { vec![beside] }
 }
 
 /// Over all segments to convergence.

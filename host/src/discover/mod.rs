@@ -7,5 +7,5 @@ pub mod engine;
 pub mod next_experiment;
 pub mod outcome;
 pub mod screen;
-mod spectrum;
+pub mod spectrum;
 pub mod where_map;

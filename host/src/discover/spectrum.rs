@@ -6,7 +6,7 @@ use crate::identify::track::Track;
 use crate::identify::weak::Window;
 
 /// Peaks handed on.
-const PEAKS: usize = 3;
+const PEAKS: usize = 6;
 /// Windows looked at: more are thinned.
 const MAX_WINDOWS: usize = 1500;
 /// Wave numbers tried at the most.

@@ -20,9 +20,10 @@ const LEAST_SAMPLES: f64 = 4.0;
 /// comes out 3e-4 low, six of its standard errors.
 const STEP_S: f64 = 1e-3;
 
-/// Noise deviations by which a second body's position may differ from what the motion before the segment says; its
-/// velocity, by a tenth of that per sample (the slope of the smoothing's local cubic).
-const MEMORY_DEVIATIONS: f64 = 30.0;
+/// Noise deviations by which a second body's position is expected to differ from what the motion before the segment says
+/// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its
+/// velocity, by a tenth of that per sample, the slope of the smoothing's local cubic.
+const MEMORY_DEVIATIONS: f64 = 10.0;
 
 /// Samples of a track that are simulated in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,7 +258,7 @@ impl Problem<'_> {
         };
         let mut normals = evaluate(&candidate, &states);
         let mut mse: Vec<f64> = normals.iter().map(|n| n.mse).collect();
-        let mut cost = self.cost_of(&mse);
+        let mut cost = self.cost_of(&mse) + self.memory_cost(&states, &candidate);
         if !cost.is_finite() {
             return Err(FitError::Diverges);
         }
@@ -265,7 +266,7 @@ impl Problem<'_> {
         let mut taken = 0;
         while taken < iterations {
             taken += 1;
-            let Some((step, local)) = self.step(&normals, &candidate, free, damping) else {
+            let Some((step, local)) = self.step(&normals, &candidate, &states, free, damping) else {
                 damping *= 10.0;
                 if damping > 1e8 {
                     break;
@@ -282,24 +283,11 @@ impl Problem<'_> {
                 };
                 parameter.set(&mut next, new);
             }
-            // A second body may be off by what the noise of the motion before the segment explains; more would let it
-            // fit whatever else is missing. (A bristle is bounded by its law.)
-            let next_states: Vec<Start> = states
-                .iter()
-                .zip(&local)
-                .map(|(s, d)| {
-                    let [x, v, first, second] = std::array::from_fn(|i| s[i] + d[i]);
-                    if next.local() < 4 {
-                        return [x, v, first, second];
-                    }
-                    let most = MEMORY_DEVIATIONS * self.sigma;
-                    let rate = most * 0.1 / self.tracks[0].ts;
-                    [x, v, first.clamp(-most, most), second.clamp(-rate, rate)]
-                })
-                .collect();
-            let next_normals = evaluate(&next, &next_states);
+            let next_states: Vec<Start> =
+                states.iter().zip(&local).map(|(s, d)| std::array::from_fn(|i| s[i] + d[i])).collect();
+            let (next_states, next_normals) = self.settled(&next, free, &states, &mse, next_states);
             let next_mse: Vec<f64> = next_normals.iter().map(|n| n.mse).collect();
-            let next_cost = self.cost_of(&next_mse);
+            let next_cost = self.cost_of(&next_mse) + self.memory_cost(&next_states, &next);
             if next_cost < cost {
                 let gain = cost - next_cost;
                 candidate = next;
@@ -319,31 +307,99 @@ impl Problem<'_> {
                 }
             }
         }
-        let covariance = self.covariance(&normals, free.len());
+        let covariance = self.covariance(&normals, &states, free.len());
         let samples = normals.iter().map(|n| n.samples).collect();
         Ok(Fit { candidate, free: free.to_vec(), covariance, mse, samples, initial: states, cost, iterations: taken })
     }
 
+    /// Evaluates every segment from its stepped start. Where that made a segment worse (a reversal or a release jumps to
+    /// another sample), its start is settled by itself, from the old one too: or a few segments would block the step of all.
+    fn settled(
+        &self,
+        candidate: &Candidate,
+        free: &[Free],
+        old: &[Start],
+        old_mse: &[f64],
+        stepped: Vec<Start>,
+    ) -> (Vec<Start>, Vec<Normal>) {
+        let floor = self.sigma * self.sigma;
+        let settle = |i: usize, start: Start| {
+            let segment = self.segments[i];
+            let cost = |start: &Start, normal: &Normal| {
+                0.5 * segment.len as f64 * (floor + normal.mse).ln()
+                    + self.memory_cost(std::slice::from_ref(start), candidate)
+            };
+            let run = |start: Start| (start, self.normal_any(candidate, free, segment, start));
+            let mut best = run(start);
+            if best.1.mse <= old_mse[i].max(2.0 * floor) {
+                return best;
+            }
+            let before = run(old[i]);
+            if cost(&before.0, &before.1) < cost(&best.0, &best.1) {
+                best = before;
+            }
+            for damping in [1e-3, 1.0] {
+                let Some(step) = self.start_step(&best.1, segment, best.0, free.len(), damping) else { continue };
+                let next = run(step);
+                if cost(&next.0, &next.1) < cost(&best.0, &best.1) {
+                    best = next;
+                    break;
+                }
+            }
+            best
+        };
+        stepped.into_par_iter().enumerate().with_min_len(8).map(|(i, start)| settle(i, start)).unzip()
+    }
+
+    /// A step of one segment's start alone, the parameters held.
+    fn start_step(&self, normal: &Normal, segment: Segment, start: Start, p: usize, damping: f64) -> Option<Start> {
+        let (local, gradient) = self.local_equations(normal, segment, start, p, damping);
+        let step = local.cholesky()?.solve(&gradient);
+        Some(std::array::from_fn(|i| start[i] + step.get(i).copied().unwrap_or(0.0)))
+    }
+
+    /// Normal equations of one segment's start, its prior and bounds included, over the weight of the segment.
+    fn local_equations(
+        &self,
+        normal: &Normal,
+        segment: Segment,
+        start: Start,
+        p: usize,
+        damping: f64,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let weight = 1.0 / (self.sigma * self.sigma + normal.mse);
+        let count = normal.gradient.len() - p;
+        let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
+        let mut gradient = normal.gradient.rows(p, count).into_owned();
+        let scales = self.start_scales(segment);
+        for i in 0..count {
+            // A body that sticks, or is pushed, forgets how it started: such starts stay where they are.
+            local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
+        }
+        if count == 4 {
+            for (i, deviation) in (2..4).zip(self.memory_deviations()) {
+                let precision = 1.0 / (weight * deviation * deviation);
+                local[(i, i)] += precision;
+                gradient[i] -= precision * start[i];
+            }
+        }
+        (local, gradient)
+    }
+
     /// Eliminates the initial states of every segment; `None` if a segment does not determine its own.
-    fn reduce(&self, normals: &[Normal], p: usize, damping: f64) -> Option<Reduced> {
+    fn reduce(&self, normals: &[Normal], states: &[Start], p: usize, damping: f64) -> Option<Reduced> {
         let mut reduced = Reduced {
             hessian: DMatrix::zeros(p, p),
             gradient: DVector::zeros(p),
             scores: DMatrix::zeros(p, p),
             eliminated: Vec::with_capacity(normals.len()),
         };
-        for (normal, segment) in normals.iter().zip(self.segments) {
+        for ((normal, segment), state) in normals.iter().zip(self.segments).zip(states) {
             let weight = 1.0 / (self.sigma * self.sigma + normal.mse);
             let count = normal.gradient.len() - p;
-            let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
-            let scales = self.start_scales(*segment);
-            for i in 0..count {
-                // A body that sticks, or is pushed, forgets how it started: such starts stay where they are.
-                local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
-            }
+            let (local, local_gradient) = self.local_equations(normal, *segment, *state, p, damping);
             let inverse = local.cholesky()?.inverse();
             let cross = normal.hessian.view((0, p), (p, count)).into_owned();
-            let local_gradient = normal.gradient.rows(p, count).into_owned();
             let product = &cross * &inverse;
             reduced.hessian += weight * (normal.hessian.view((0, 0), (p, p)) - &product * cross.transpose());
             let score = weight * (normal.gradient.rows(0, p) - &product * &local_gradient);
@@ -352,6 +408,21 @@ impl Problem<'_> {
             reduced.eliminated.push((inverse, cross, local_gradient));
         }
         Some(reduced)
+    }
+
+    /// Standard deviations of a second body's position and velocity about what the motion before the segment says.
+    fn memory_deviations(&self) -> [f64; 2] {
+        let position = MEMORY_DEVIATIONS * self.sigma;
+        [position, position * 0.1 / self.tracks[0].ts]
+    }
+
+    /// Minus the log prior of the second bodies' starts.
+    fn memory_cost(&self, states: &[Start], candidate: &Candidate) -> f64 {
+        if candidate.local() < 4 {
+            return 0.0;
+        }
+        let [position, velocity] = self.memory_deviations();
+        states.iter().map(|s| 0.5 * ((s[2] / position).powi(2) + (s[3] / velocity).powi(2))).sum()
     }
 
     /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
@@ -370,11 +441,12 @@ impl Problem<'_> {
         &self,
         normals: &[Normal],
         candidate: &Candidate,
+        states: &[Start],
         free: &[Free],
         damping: f64,
     ) -> Option<(DVector<f64>, Vec<Start>)> {
         let p = free.len();
-        let reduced = self.reduce(normals, p, damping)?;
+        let reduced = self.reduce(normals, states, p, damping)?;
         // Parameters the data does not touch keep their value.
         let curvature = (0..p).map(|i| reduced.hessian[(i, i)] * free[i].get(candidate).powi(2)).fold(0.0, f64::max);
         let mut damped = reduced.hessian.clone();
@@ -396,9 +468,9 @@ impl Problem<'_> {
 
     /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
     /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
-    fn covariance(&self, normals: &[Normal], p: usize) -> DMatrix<f64> {
+    fn covariance(&self, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
         let unknown = || DMatrix::from_element(p, p, f64::NAN);
-        let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, p, 0.0) else { return unknown() };
+        let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, states, p, 0.0) else { return unknown() };
         let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };
         if self.segments.len() < 4 * p { inverse } else { &inverse * scores * &inverse }
     }

@@ -14,8 +14,8 @@ impl Law for Backlash {
         law: "load μ·b free within a gap ±g/2 of the motor, inelastic contact",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.01, 0.03, 0.1, 0.3])),
-            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.2, 0.45])),
+            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.06, 0.11, 0.2, 0.35])),
+            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.25, 0.5])),
         ],
         shown_by: "reversals, multisine",
         confused_with: &["lugre", "dahl", "flexible_coupling"],

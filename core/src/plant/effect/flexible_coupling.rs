@@ -15,9 +15,9 @@ impl Law for FlexibleCoupling {
         law: "load μ·b behind spring and damper: ÿ = ωr²·(x − y) + 2ζ·ωr·(ẋ − ẏ)",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.04])),
-            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Grid(Scale::Unit, &[45.0, 70.0, 100.0, 135.0, 175.0, 220.0, 270.0, 330.0, 420.0])),
-            Parameter::new("zeta", "1", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.04])),
+            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.06])),
+            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Grid(Scale::Unit, &[40.0, 46.0, 52.0, 59.0, 67.0, 75.0, 85.0, 96.0, 108.0, 122.0, 138.0, 156.0, 176.0, 199.0, 225.0, 255.0, 288.0, 326.0, 370.0, 420.0, 480.0])),
+            Parameter::new("zeta", "1", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.06])),
         ],
         shown_by: "multisine above the resonance",
         confused_with: &["backlash", "inertia_step", "dahl"],

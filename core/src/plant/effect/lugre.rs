@@ -17,7 +17,7 @@ impl Law for LuGre {
         parameters: &[
             Parameter::new("sigma", "U/X", "bristle stiffness", 1e-9, 1e12).search(Search::Grid(Scale::Presliding, &[3.0, 10.0, 30.0, 100.0, 300.0])),
             Parameter::new("sigma1", "U·s/X", "bristle damping", 0.0, 1e9).search(Search::Grid(Scale::BristleDamping, &[0.3])),
-            Parameter::new("s", "U", "rise of friction towards rest", -1e9, 1e9).search(Search::Grid(Scale::Coulomb, &[0.2])),
+            Parameter::new("s", "U", "rise of friction towards rest", 0.0, 1e9).search(Search::Grid(Scale::Coulomb, &[0.2])),
             Parameter::new("vs", "X/s", "Stribeck velocity", 1e-12, 1e9).search(Search::Grid(Scale::Speed, &[0.06])),
         ],
         shown_by: "reversals, below break-away, slow motion",

@@ -14,7 +14,7 @@ impl Law for QuadraticDrag {
         law: "−k·v·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "U·s²/X²", "drag coefficient", -1e9, 1e9),
+            Parameter::new("k", "U·s²/X²", "drag coefficient", 0.0, 1e9),
         ],
         shown_by: "high speed",
         confused_with: &["stribeck", "saturation"],

@@ -15,7 +15,7 @@ impl Law for Stribeck {
         law: "−s·e^(−(|v|/vs)^p)·sgn v",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("s", "U", "rise of friction towards rest", -1e9, 1e9),
+            Parameter::new("s", "U", "rise of friction towards rest", 0.0, 1e9),
             Parameter::new("vs", "X/s", "Stribeck velocity", 1e-12, 1e9).search(Search::Grid(Scale::Speed, &[0.015, 0.03, 0.06, 0.12, 0.25])),
             Parameter::new("p", "1", "exponent", 0.5, 4.0).refinement(2.0),
         ],
