@@ -8,4 +8,4 @@ mod motion;
 
 pub use base::{Base, PlantError};
 pub use effect::{Effect, Kind};
-pub use motion::{Drive, MAX_EFFECTS, Plant, State};
+pub use motion::{Drive, MAX_EFFECTS, MAX_SUB_STEPS, Plant, State};

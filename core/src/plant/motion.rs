@@ -11,6 +11,9 @@ use crate::scalar::Real;
 /// Most effects a plant carries at once.
 pub const MAX_EFFECTS: usize = 6;
 
+/// Most sub-steps of a sample period; faster dynamics than that are not resolved.
+pub const MAX_SUB_STEPS: usize = 8;
+
 /// Position and velocity of the motor, and what each effect remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct State<R> {
@@ -48,7 +51,7 @@ impl<R: Real> Effect<R> {
     fn mechanics_in_parts(&self, base: &Base<R>, at: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         let inertia = Base { b: base.b.to_f64(), c: 0.0, f1: 0.0 };
         let bandwidth = self.kind.bandwidth(&self.p.map(Real::to_f64), &inertia);
-        let parts = libm::ceil(h * bandwidth / 0.25).clamp(1.0, 8.0);
+        let parts = libm::ceil(h * bandwidth / 0.25).clamp(1.0, MAX_SUB_STEPS as f64);
         let h_part = h / parts;
         let mut sum = R::ZERO;
         for i in 0..parts as usize {
@@ -76,7 +79,7 @@ impl<R: Real> Plant<'_, R> {
         for effect in self.effects {
             fastest = fastest.max(effect.kind.bandwidth(&effect.p.map(Real::to_f64), &base));
         }
-        (libm::ceil(ts * fastest / 0.25).clamp(1.0, 8.0)) as usize
+        (libm::ceil(ts * fastest / 0.25).clamp(1.0, MAX_SUB_STEPS as f64)) as usize
     }
 
     /// What the sensor reports at true position `x`.

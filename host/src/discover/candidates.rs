@@ -4,24 +4,36 @@
 //! convergence, with a search along parameters that gradients do not find.
 
 use breakaway_core::plant::effect::Search;
-use breakaway_core::plant::{Base, Kind};
+use breakaway_core::plant::{Base, Effect, Kind, MAX_SUB_STEPS, Plant};
 use rayon::prelude::*;
 
 use super::data::Data;
 use super::decide::NAMING;
 use super::screen::{Screen, Start};
-use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
+use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem, Segment};
+use crate::identify::track::median;
 
 /// Share of the segments in the first heat, iterations there, and in the final.
 const FIRST_SHARE: usize = 3;
+/// Floor of the logarithm, as a share of the median segment's mean square: of the current model's in the first heat, and of
+/// the best effect's in the final.
+const HEAT_FLOOR: f64 = 0.1;
+const FINAL_FLOOR: f64 = 1.0;
 const FIRST_ITERATIONS: usize = 5;
 const FINAL_ITERATIONS: usize = 12;
-const LAST_ITERATIONS: usize = 30;
+const LAST_ITERATIONS: usize = 20;
+/// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
+const RESTARTS: usize = 2;
+const WORTH_A_RESTART: f64 = 20.0;
 /// Leaders that go to the final at the least, and the share of the best gain that takes further ones there.
-const LEADERS: usize = 8;
+const LEADERS: usize = 6;
 const CLOSE: f64 = 0.7;
-/// Share of the best gain from which an effect is polished.
+/// Share of the best gain below which an effect with a memory, whose simulation takes ten times as long, stays out.
+const COSTLY: f64 = 0.25;
+/// Share of the best gain from which an effect's form is refined, and from which it is iterated to convergence and its
+/// thresholds are searched.
 const COMPETITIVE: f64 = 0.4;
+const CONTENDING: f64 = 0.7;
 /// Starts simulated per effect, and where the screen is blind to it.
 const STARTS: usize = 4;
 const BLIND_STARTS: usize = 24;
@@ -99,9 +111,24 @@ impl<'a> Heat<'a> {
     }
 }
 
+/// What a round of trials gives: the effects, and the current model and the data as they were judged in it.
+#[derive(Debug)]
+pub struct Round {
+    /// The data with the round's floor.
+    pub data: Data,
+    /// The current model, refitted with that floor.
+    pub current: Fit,
+    /// Every effect of the catalogue.
+    pub tried: Vec<Tried>,
+}
+
 /// Tries every effect of the catalogue on the residual of `current`.
-pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Vec<Tried> {
-    let heat = Heat::new(data, current);
+///
+/// A model that misses a machine by many times the noise of its encoder is not judged by the few segments that happen to
+/// come near that noise: the floor of the logarithm is a share of what the best effect leaves.
+pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Round {
+    let softened = data.softened(HEAT_FLOOR * median(current.mse.clone()));
+    let heat = Heat::new(&softened, current);
     let first: Vec<(Kind, Result<Fit, String>)> = Kind::ALL
         .par_iter()
         .with_max_len(1)
@@ -118,10 +145,19 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         .collect();
     gains.sort_by(|a, b| b.1.total_cmp(&a.1));
     let best = gains.first().map_or(0.0, |g| g.1);
+    let left = gains.first().and_then(|g| first[g.0].1.as_ref().ok()).map_or(0.0, |fit| median(fit.mse.clone()));
+    let data = data.softened(FINAL_FLOOR * left);
+    let current = data
+        .problem()
+        .fit(&current.candidate, &current.free, Some(&current.initial), FINAL_ITERATIONS)
+        .unwrap_or_else(|_| current.clone());
     let finalists: Vec<usize> = gains
         .iter()
         .enumerate()
-        .filter(|(rank, (_, gain))| *rank < LEADERS || *gain > CLOSE * best)
+        .filter(|(rank, (i, gain))| {
+            let costly = first[*i].0.remembers() && *gain < COSTLY * best;
+            (*rank < LEADERS || *gain > CLOSE * best) && !costly
+        })
         .map(|(_, (i, _))| *i)
         .collect();
     let mut tried: Vec<Tried> = first
@@ -131,7 +167,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         .map(|(i, (kind, fit))| {
             let fit = fit.and_then(|fit| {
                 if finalists.contains(&i) {
-                    finish(data, &fit)
+                    finish(&data, &fit)
                 } else {
                     Err(format!("gains {:.0} of {best:.0} nats in the first heat", without - fit.cost))
                 }
@@ -140,15 +176,15 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         })
         .collect();
     let best = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
-    let competitive = |fit: &Fit| current.cost - fit.cost > COMPETITIVE * (current.cost - best);
+    let share = |fit: &Fit| (current.cost - fit.cost) / (current.cost - best);
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
-        if let Ok(fit) = &t.fit
-            && competitive(fit)
+        if let Ok(fit) = &mut t.fit
+            && share(fit) > COMPETITIVE
         {
-            t.fit = Ok(polished(data, fit.clone()));
+            *fit = polished(&data, fit.clone(), share(fit) > CONTENDING);
         }
     });
-    tried
+    Round { data, current, tried }
 }
 
 /// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
@@ -208,26 +244,72 @@ fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
 
 /// Over all segments to convergence.
 fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
-    data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|error| error.to_string())
+    let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
+    let plant = Plant { base: fit.candidate.base, effects: &fit.candidate.effects };
+    if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
+        return Err("became faster than the recordings resolve".to_owned());
+    }
+    Ok(fit)
 }
 
-/// Iterated to the end, from its own starts and from the smoothed motion: what is left afterwards is the model's, and a
-/// further effect is not named for finishing the fit.
+/// Fits a model that may miss much: the floor follows what its median segment leaves.
+///
+/// # Errors
+/// [`FitError`] of the fit.
+pub fn fit_softly(data: &Data, start: &Candidate, iterations: usize) -> Result<Fit, FitError> {
+    let free = Free::all(&start.effects);
+    let fit = data.problem().fit(start, &free, None, iterations)?;
+    let softened = data.softened(FINAL_FLOOR * median(fit.mse.clone()));
+    softened.problem().fit(start, &free, None, iterations)
+}
+
+/// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is
+/// the model's, and a further effect is not named for finishing the fit.
 pub fn converged(data: &Data, fit: &Fit) -> Fit {
     let problem = data.problem();
-    [Some(fit.initial.as_slice()), None]
-        .into_iter()
-        .filter_map(|initial| problem.fit(&fit.candidate, &fit.free, initial, LAST_ITERATIONS).ok())
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .unwrap_or_else(|| fit.clone())
+    let mut best = fit.clone();
+    if best.converged {
+        return best;
+    }
+    for _ in 0..RESTARTS {
+        let again = [Some(best.initial.as_slice()), None]
+            .into_iter()
+            .filter_map(|initial| problem.fit(&best.candidate, &best.free, initial, LAST_ITERATIONS).ok())
+            .min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(again) = again else { break };
+        let gain = best.cost - again.cost;
+        if gain > 0.0 {
+            best = again;
+        }
+        if gain < WORTH_A_RESTART {
+            break;
+        }
+    }
+    best
 }
 
-/// Form refined, and thresholds searched.
-fn polished(data: &Data, fit: Fit) -> Fit {
+/// Form refined; for a contender iterated to the end, and thresholds searched.
+fn polished(data: &Data, fit: Fit, contender: bool) -> Fit {
     let problem = data.problem();
     let last = fit.candidate.effects.len() - 1;
+    let fit = if contender { converged(data, &fit) } else { fit };
     let fit = refined(&problem, fit, last);
-    if fit.candidate.effects[last].kind.threshold() { along_thresholds(&problem, fit, last) } else { fit }
+    if contender && fit.candidate.effects[last].kind.threshold() { along_thresholds(&problem, fit, last) } else { fit }
+}
+
+/// The model with its effect `j` replaced by each of `rivals`, simpler laws that were tried when it was named, refitted over
+/// all segments: an effect named while another was still missing may have taken that one's share. The best replacement.
+pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) -> Option<Fit> {
+    let problem = data.problem();
+    rivals
+        .par_iter()
+        .with_max_len(1)
+        .filter_map(|rival| {
+            let mut candidate = current.candidate.clone();
+            candidate.effects[j] = *rival;
+            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
+        })
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are

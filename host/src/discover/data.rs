@@ -1,5 +1,7 @@
 //! The recordings of a discovery: what is fitted, what is only scored, and the noise floor.
 
+use std::sync::Arc;
+
 use crate::identify::shooting::{self, Problem, Segment};
 use crate::identify::track::{self, Track, median};
 use crate::recording::Recording;
@@ -18,7 +20,7 @@ pub const WARM_UP_S: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct Data {
     /// All tracks, on one session clock.
-    pub tracks: Vec<Track>,
+    pub tracks: Arc<[Track]>,
     /// Segments to fit.
     pub fit: Vec<Segment>,
     /// Held-out segments.
@@ -29,6 +31,8 @@ pub struct Data {
     pub sigma: f64,
     /// Segments there were before sampling.
     pub available: usize,
+    /// Mean square below which differences between models do not count; 0 for the noise's.
+    pub softening: f64,
 }
 
 impl Data {
@@ -54,12 +58,28 @@ impl Data {
         let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
-        Self { tracks, fit, score, open_loop, sigma, available }
+        Self { tracks: tracks.into(), fit, score, open_loop, sigma, available, softening: 0.0 }
+    }
+
+    /// The same data, judged with `softening` in place of the noise where that is larger.
+    pub fn softened(&self, softening: f64) -> Self {
+        Self { softening, ..self.clone() }
+    }
+
+    /// The square root of the mean square below which differences between models do not count.
+    pub fn floor(&self) -> f64 {
+        self.sigma.max(self.softening.sqrt())
     }
 
     /// The fitting problem.
     pub fn problem(&self) -> Problem<'_> {
-        Problem { tracks: &self.tracks, segments: &self.fit, sigma: self.sigma, warm_up_s: WARM_UP_S }
+        Problem {
+            tracks: &self.tracks,
+            segments: &self.fit,
+            sigma: self.sigma,
+            warm_up_s: WARM_UP_S,
+            softening: self.softening,
+        }
     }
 
     /// The same over other segments.

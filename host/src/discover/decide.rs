@@ -14,7 +14,7 @@ pub struct Thresholds {
 }
 
 /// The calibrated ones.
-pub const NAMING: Thresholds = Thresholds { delta: 0.01, z: 2.0, lambda: 25.0, price: 3.5 };
+pub const NAMING: Thresholds = Thresholds { delta: 0.002, z: 2.0, lambda: 25.0, price: 3.5 };
 /// Those of every further effect: a fit that nearly explains a record leaves outliers, which any flexible effect thins.
 pub const FURTHER: Thresholds = Thresholds { delta: 0.05, ..NAMING };
 /// Two models are tied while the z of their paired difference is below this.

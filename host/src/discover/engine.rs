@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
-use super::candidates::{self, Tried};
+use super::candidates::{self, Round, Tried};
 use super::data::Data;
 use super::decide::{FURTHER, NAMING, Paired, TIED_Z, paired};
 use super::next_experiment::{self, Limits};
@@ -18,6 +18,8 @@ use crate::recording::{Recording, Units};
 
 /// Effects with enough evidence that are checked on held-out data in a round.
 const CONSIDERED: usize = 4;
+/// Iterations of the base model's fit.
+const BASE_ITERATIONS: usize = 20;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
 /// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
@@ -26,8 +28,12 @@ const GAP_NOISE: f64 = 0.06;
 const LEFT_OVER: f64 = 0.05;
 /// The median segment's mean square over the noise's below which no further effect is looked for.
 const OUTLIERS: f64 = 1.15;
-/// An effect that explains less than this share of the mean square error is not named alone.
+/// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
+/// they would leave most of it.
 const LEAST_SHARE: f64 = 0.25;
+const LEAST_TOTAL: f64 = 0.5;
+/// Growth of the open-loop mean square error on held-out data at which an effect is not believed.
+const OPEN_LOOP_GROWTH: f64 = 1.5;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
 const UNITS_FACTOR: f64 = 20.0;
 
@@ -100,15 +106,14 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let identified = estimate::identify(&request.recordings)?;
     let start = starting_model(request, &identified)?;
     progress("fitting the base model");
-    let mut current = data
-        .problem()
-        .fit(&start, &Free::all(&start.effects), None, 20)
+    let mut current = candidates::fit_softly(&data, &start, BASE_ITERATIONS)
         .map_err(|error| DiscoverError::Base(error.to_string()))?;
     let base_fit = current.clone();
     let rotary = matches!(units.x.as_str(), "rad" | "x");
     let mut ladder = vec![rung(&data, &current)];
     let mut named: Vec<NamedEffect> = Vec::new();
     let mut first_round: Vec<CandidateRow> = Vec::new();
+    let mut simpler: Vec<Vec<Effect<f64>>> = Vec::new();
     let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
     let base_gap = Gap::of(&data, &current);
     let mut gap = base_gap;
@@ -116,34 +121,54 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     while named.len() < MAX_ADDED && (named.is_empty() || !gap.only_outliers()) {
         progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
         let Some(screen) = Screen::new(&data, &current.candidate) else { break };
-        let mut tried = candidates::try_all(&data, &current, &screen, rotary);
+        let Round { data: judged, current: without, mut tried } = candidates::try_all(&data, &current, &screen, rotary);
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let order = preference(&data, &current, &tried, named.is_empty());
+        let order = preference(&judged, &without, &tried, named.is_empty());
         let accepted = order.iter().copied().find_map(|index| {
-            let fit = candidates::converged(&data, tried[index].fit.as_ref().ok()?);
+            let fit = candidates::converged(&judged, tried[index].fit.as_ref().ok()?);
             let after = Gap::of(&data, &fit);
-            match gap.refuses(&after) {
-                None => Some((index, fit, after)),
-                Some(reason) => {
-                    remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
-                    None
-                }
-            }
+            let Some(reason) = gap.refuses(&after) else { return Some((index, fit, after)) };
+            remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
+            tried[index].fit = Err(reason);
+            None
         });
         if named.is_empty() {
-            first_round = table(&data, &current, &tried, accepted.as_ref().map(|a| a.0));
+            first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
         }
         let Some((index, fit, after)) = accepted else { break };
-        let rivals = rivals(&data, &fit, &tried, index);
+        let mut rivals = rivals(&judged, &fit, &tried, index);
+        for rival in rivals.iter_mut().filter(|r| r.tied) {
+            let other = tried.iter().find(|t| t.kind == rival.kind).and_then(|t| t.fit.as_ref().ok());
+            rival.tied = other.is_some_and(|other| gap.refuses(&Gap::of(&data, other)).is_none());
+        }
         if let Some(rival) = rivals.iter().find(|r| r.tied)
             && let Some(Ok(other)) = tried.iter().find(|t| t.kind == rival.kind).map(|t| &t.fit)
         {
             tie = Some((fit.clone(), other.clone(), vec![tried[index].kind, rival.kind]));
         }
         current = fit;
-        named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
-        ladder.push(rung(&data, &current));
         gap = after;
+        simpler.push(simpler_laws(&tried, index, start.effects.len() + named.len()));
+        named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
+        for j in 0..named.len() - 1 {
+            let place = start.effects.len() + j;
+            if let Some(other) = candidates::replaced(&judged, &current, place, &simpler[j])
+                && !better(&paired(&other.mse, &current.mse, &current.samples, judged.floor()), 1)
+            {
+                named[j].kind = other.candidate.effects[place].kind;
+                gap = Gap::of(&data, &other);
+                current = other;
+            }
+        }
+        ladder.push(rung(&data, &current));
+    }
+    if !named.is_empty() && base_gap.leaves(&gap, LEAST_TOTAL) {
+        let names: Vec<&str> = named.iter().map(|n| n.kind.name()).collect();
+        remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
+        (current, gap) = (base_fit.clone(), base_gap);
+        named.clear();
+        ladder.truncate(1);
+        tie = None;
     }
     for (j, effect) in named.iter_mut().enumerate() {
         let place = start.effects.len() + j;
@@ -217,12 +242,14 @@ struct Gap {
     mean_log: f64,
     /// Root mean square error.
     rmse: f64,
-    /// Mean square error beyond the noise's.
+    /// Mean square error beyond the noise's, without the worst tenth of the segments.
     excess: f64,
     /// Mean square of the median segment over the noise's.
     median: f64,
     /// Share of segments above twice the noise's mean square.
     above: f64,
+    /// Mean square error of the open-loop windows, simulated from the smoothed motion at their start.
+    open_loop: f64,
 }
 
 impl Gap {
@@ -231,25 +258,42 @@ impl Gap {
         let mse = data.over(&data.score).score(&fit.candidate);
         let n = mse.len() as f64;
         // A few segments that diverge (an impact, a missed stick) do not set the mean square: the upper decile is cut.
+        let trimmed = |sorted: &[f64]| {
+            let kept = &sorted[..(sorted.len() * 9).div_ceil(10)];
+            kept.iter().sum::<f64>() / kept.len().max(1) as f64
+        };
         let mut sorted = mse.clone();
         sorted.sort_by(f64::total_cmp);
-        let kept = &sorted[..(sorted.len() * 9).div_ceil(10)];
+        let mut open: Vec<f64> = open_loop_squares(data, fit).iter().map(|(square, n)| square / *n as f64).collect();
+        open.sort_by(f64::total_cmp);
         Self {
+            open_loop: trimmed(&open),
+            rmse: root_mean(&mse),
             median: sorted[sorted.len() / 2] / floor,
             mean_log: mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / n,
-            rmse: root_mean(&mse),
-            excess: (kept.iter().sum::<f64>() / kept.len() as f64 - floor).max(1e-3 * floor),
+            excess: (trimmed(&sorted) - floor).max(1e-3 * floor),
             above: mse.iter().filter(|m| **m > 2.0 * floor).count() as f64 / n,
         }
     }
     /// Why a model with the gap `after` is no progress on held-out data; `None` if it is.
     fn refuses(&self, after: &Self) -> Option<String> {
-        if after.mean_log >= self.mean_log || after.rmse > 1.05 * self.rmse {
+        if after.mean_log >= self.mean_log || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
             return Some("fits, but does not hold on held-out data".to_owned());
         }
-        let share = 1.0 - after.excess / self.excess;
-        (share < LEAST_SHARE && after.mean_log > 0.5 * self.mean_log)
-            .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * share))
+        // Starts that are fitted in every segment can hide what goes wrong within a second.
+        if after.open_loop > OPEN_LOOP_GROWTH * self.open_loop {
+            return Some("fits short segments, but drifts off in open loop".to_owned());
+        }
+        self.leaves(after, LEAST_SHARE)
+            .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * self.share(after)))
+    }
+    /// Share of the mean square gap that the model with the gap `after` explains.
+    fn share(&self, after: &Self) -> f64 {
+        1.0 - after.excess / self.excess
+    }
+    /// Whether it explains less than `least` of the mean square, and of the logarithm less than half.
+    fn leaves(&self, after: &Self, least: f64) -> bool {
+        self.share(after) < least && after.mean_log > 0.5 * self.mean_log
     }
     fn real(&self) -> bool {
         self.mean_log > GAP_NOISE && self.above > LEFT_OVER
@@ -271,7 +315,7 @@ fn preference(data: &Data, current: &Fit, tried: &[Tried], first: bool) -> Vec<u
     let mut order: Vec<usize> = (0..tried.len())
         .filter(|i| {
             tried[*i].fit.as_ref().is_ok_and(|fit| {
-                let evidence = paired(&current.mse, &fit.mse, &fit.samples, data.sigma);
+                let evidence = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
                 evidence.names(fit.free.len() - current.free.len(), asked)
             })
         })
@@ -283,7 +327,7 @@ fn preference(data: &Data, current: &Fit, tried: &[Tried], first: bool) -> Vec<u
         .iter()
         .enumerate()
         .filter(|(_, fit)| {
-            let against = paired(&fit.mse, &best.mse, &best.samples, data.sigma);
+            let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
             !better(&against, best.free.len().saturating_sub(fit.free.len()))
         })
         .min_by_key(|(rank, fit)| (fit.free.len(), *rank))
@@ -300,6 +344,19 @@ fn better(evidence: &Paired, extra: usize) -> bool {
     (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || (evidence.z > 1.2 && evidence.lambda > 100.0 + price)
 }
 
+/// The laws with fewer parameters than the named one that it may be confused with, as they were fitted beside it.
+fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<Effect<f64>> {
+    let definition = tried[named].kind.definition();
+    let Ok(winner) = &tried[named].fit else { return Vec::new() };
+    tried
+        .iter()
+        .filter(|t| definition.confused_with.contains(&t.kind.name()))
+        .filter_map(|t| t.fit.as_ref().ok())
+        .filter(|fit| fit.free.len() < winner.free.len())
+        .filter_map(|fit| fit.candidate.effects.get(place).copied())
+        .collect()
+}
+
 fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival> {
     let mut rivals: Vec<Rival> = tried
         .iter()
@@ -307,7 +364,7 @@ fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival
         .filter(|(i, _)| *i != index)
         .filter_map(|(_, t)| {
             let fit = t.fit.as_ref().ok()?;
-            let p = paired(&fit.mse, &winner.mse, &winner.samples, data.sigma);
+            let p = paired(&fit.mse, &winner.mse, &winner.samples, data.floor());
             // A richer law that does no better is no rival: it has the named one as a special case, or pays for nothing.
             let idle = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
             Some(Rival { kind: t.kind, delta: p.delta, z: p.z, tied: !idle && !better(&p, 0) })
@@ -328,7 +385,7 @@ fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<usize>) -> 
                 CandidateRow { kind: t.kind, delta: f64::NAN, z: f64::NAN, lambda: f64::NAN, fate: reason.clone() }
             }
             Ok(fit) => {
-                let p = paired(&current.mse, &fit.mse, &fit.samples, data.sigma);
+                let p = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
                 let k = fit.free.len() - current.free.len();
                 let fate = if Some(i) == winner {
                     "named".to_owned()
@@ -340,7 +397,7 @@ fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<usize>) -> 
                         NAMING.lambda + NAMING.price * k as f64
                     )
                 } else if let Some(best) = best {
-                    let against = paired(&fit.mse, &best.mse, &best.samples, data.sigma);
+                    let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
                     if fit.free.len() > best.free.len() && against.delta > -0.5 * NAMING.delta {
                         "does no better with more parameters".to_owned()
                     } else if better(&against, 0) {
@@ -388,22 +445,28 @@ fn root_mean(mse: &[f64]) -> f64 {
 
 fn rung(data: &Data, fit: &Fit) -> Rung {
     let score = data.over(&data.score).score(&fit.candidate);
-    let open = data.over(&data.open_loop);
-    let mut square = (0.0, 0usize);
-    for (segment, initial) in data.open_loop.iter().zip(open.smoothed_initial()) {
-        let track = &data.tracks[segment.track];
-        for (k, x) in open.positions(&fit.candidate, *segment, initial).into_iter().enumerate() {
-            square.0 += (x - track.x[segment.start + k]).powi(2);
-            square.1 += 1;
-        }
-    }
+    let (square, count) =
+        open_loop_squares(data, fit).iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
     Rung {
         effects: fit.candidate.effects.iter().map(|e| e.kind).collect(),
         base: fit.candidate.base,
         fit_rmse: root_mean(&fit.mse),
         holdout_rmse: root_mean(&score),
-        holdout_open_loop_rmse: (square.0 / square.1.max(1) as f64).sqrt(),
+        holdout_open_loop_rmse: (square / count.max(1) as f64).sqrt(),
     }
+}
+
+/// Sum of squares and samples of every open-loop window, simulated from the smoothed motion at its start.
+fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
+    let open = data.over(&data.open_loop);
+    let windows = data.open_loop.iter().zip(open.smoothed_initial(&fit.candidate));
+    windows
+        .map(|(segment, initial)| {
+            let measured = &data.tracks[segment.track].x[segment.start..segment.start + segment.len];
+            let simulated = open.positions(&fit.candidate, *segment, initial);
+            (simulated.iter().zip(measured).map(|(s, m)| (s - m).powi(2)).sum(), segment.len)
+        })
+        .collect()
 }
 
 fn limits(data: &Data) -> Limits {

@@ -86,7 +86,13 @@ fn difference(a: &Candidate, b: &Candidate, experiment: &Experiment, units: &Uni
     let run = Axis::new(a.base, &a.effects, units.clone()).run(experiment).ok()?;
     let tracks = track::session(std::slice::from_ref(&run.recording));
     let segments = shooting::segments(&tracks, FIT_SEGMENT_S);
-    let problem = Problem { tracks: &tracks, segments: &segments, sigma: tracks[0].sigma.max(1e-12), warm_up_s: 0.3 };
+    let problem = Problem {
+        tracks: &tracks,
+        segments: &segments,
+        sigma: tracks[0].sigma.max(1e-12),
+        warm_up_s: 0.3,
+        softening: 0.0,
+    };
     let own = problem.score(a);
     let other = problem.score(b);
     let mean = |mse: &[f64]| mse.iter().copied().filter(|m| m.is_finite()).sum::<f64>() / mse.len().max(1) as f64;

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 pub use super::candidate::{Candidate, Free};
 use super::dual::Dual;
 use super::track::Track;
+use super::track::median;
 
 /// A segment counts for at least this many samples, however smooth its residual: misfit differs from one to the next.
 const LEAST_SAMPLES: f64 = 4.0;
@@ -24,6 +25,20 @@ const STEP_S: f64 = 1e-3;
 /// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its
 /// velocity, by a tenth of that per sample, the slope of the smoothing's local cubic.
 const MEMORY_DEVIATIONS: f64 = 10.0;
+
+/// Step of the sensor's numerical slope, position units.
+const SENSOR_STEP: f64 = 1e-6;
+
+/// Growth of a segment's mean square in one step that counts as a jump.
+const JUMP: f64 = 1.3;
+
+/// Two steps in a row that gain less than this share of what all steps gained end the fit: the weights of the segments
+/// follow the fit, so one small step may be a narrow valley's.
+const ENOUGH: f64 = 2e-4;
+
+/// Fits of fewer iterations are not softened; nor those whose median segment is below this multiple of the noise.
+const LEAST_TO_SOFTEN: usize = 5;
+const SOFTEN_ABOVE: f64 = 4.0;
 
 /// Samples of a track that are simulated in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +66,8 @@ pub struct Problem<'a> {
     pub sigma: f64,
     /// Seconds of measured motion followed before each segment to bring the effects' memories up to date.
     pub warm_up_s: f64,
+    /// Mean square added to every segment's in the logarithm, in place of σ²; 0 for σ² itself.
+    pub softening: f64,
 }
 
 /// A fitted model.
@@ -70,8 +87,8 @@ pub struct Fit {
     pub initial: Vec<Start>,
     /// The minimised cost.
     pub cost: f64,
-    /// Iterations taken.
-    pub iterations: usize,
+    /// Whether it ended by itself, not by the number of iterations.
+    pub converged: bool,
 }
 
 /// Why a candidate could not be fitted.
@@ -214,26 +231,54 @@ impl Problem<'_> {
 
     /// The cost of given mean square errors of the segments.
     pub fn cost_of(&self, mse: &[f64]) -> f64 {
-        self.segments
-            .iter()
-            .zip(mse)
-            .map(|(segment, mse)| 0.5 * segment.len as f64 * (self.sigma * self.sigma + mse).ln())
-            .sum()
+        self.segments.iter().zip(mse).map(|(segment, mse)| 0.5 * segment.len as f64 * (self.floor() + mse).ln()).sum()
     }
 
-    /// Starting initial states: the smoothed motion.
-    pub fn smoothed_initial(&self) -> Vec<Start> {
-        self.segments
-            .iter()
-            .map(|s| [self.tracks[s.track].xs[s.start], self.tracks[s.track].vs[s.start], 0.0, 0.0])
-            .collect()
+    /// Starting initial states: the smoothed motion, as it is before the candidate's sensor.
+    pub fn smoothed_initial(&self, candidate: &Candidate) -> Vec<Start> {
+        let reading = |x: f64| candidate.effects.iter().map(|effect| effect.sensor(x)).sum::<f64>();
+        let start = |s: &Segment| {
+            let (measured, speed) = (self.tracks[s.track].xs[s.start], self.tracks[s.track].vs[s.start]);
+            let x = (0..4).fold(measured, |x, _| measured - reading(x));
+            let slope = (reading(x + SENSOR_STEP) - reading(x - SENSOR_STEP)) / (2.0 * SENSOR_STEP);
+            [x, speed / (1.0 + slope).max(0.1), 0.0, 0.0]
+        };
+        self.segments.iter().map(start).collect()
+    }
+
+    fn floor(&self) -> f64 {
+        (self.sigma * self.sigma).max(self.softening)
     }
 
     /// Fits the free parameters and every segment's initial state.
     ///
+    /// Where all segments are far above the noise the logarithm is a landscape of wells, one for every segment that can be
+    /// fitted alone. The first half of the iterations fills them up to the median segment.
+    ///
     /// # Errors
     /// [`FitError`] if there is nothing to fit or the start diverges.
     pub fn fit(
+        &self,
+        start: &Candidate,
+        free: &[Free],
+        initial: Option<&[Start]>,
+        iterations: usize,
+    ) -> Result<Fit, FitError> {
+        if iterations < LEAST_TO_SOFTEN {
+            return self.descend(start, free, initial, iterations);
+        }
+        let first = self.descend(start, free, initial, 1)?;
+        let softening = median(first.mse.clone());
+        if softening < SOFTEN_ABOVE * self.floor() {
+            return self.descend(&first.candidate, free, Some(&first.initial), iterations - 1);
+        }
+        let soft = Problem { softening, ..*self };
+        let filled = soft.descend(&first.candidate, free, Some(&first.initial), iterations / 2)?;
+        self.descend(&filled.candidate, free, Some(&filled.initial), iterations.div_ceil(2))
+    }
+
+    /// Levenberg–Marquardt from a start.
+    fn descend(
         &self,
         start: &Candidate,
         free: &[Free],
@@ -247,7 +292,7 @@ impl Problem<'_> {
             return Err(FitError::TooMany(free.len()));
         }
         let mut candidate = start.clone();
-        let mut states = initial.map_or_else(|| self.smoothed_initial(), <[_]>::to_vec);
+        let mut states = initial.map_or_else(|| self.smoothed_initial(&candidate), <[_]>::to_vec);
         let evaluate = |candidate: &Candidate, states: &[Start]| -> Vec<Normal> {
             self.segments
                 .par_iter()
@@ -262,15 +307,12 @@ impl Problem<'_> {
         if !cost.is_finite() {
             return Err(FitError::Diverges);
         }
+        let first = cost;
         let mut damping = 1e-3;
-        let mut taken = 0;
-        while taken < iterations {
-            taken += 1;
-            let Some((step, local)) = self.step(&normals, &candidate, &states, free, damping) else {
+        let (mut converged, mut small) = (false, false);
+        for _ in 0..iterations {
+            let Some((step, local)) = self.step(&normals, &states, free.len(), damping) else {
                 damping *= 10.0;
-                if damping > 1e8 {
-                    break;
-                }
                 continue;
             };
             let mut next = candidate.clone();
@@ -297,19 +339,26 @@ impl Problem<'_> {
                 cost = next_cost;
                 damping = (damping * 0.2).max(1e-9);
                 // Far below the evidence that any decision asks for.
-                if gain < 0.1 + 0.002 * self.segments.len() as f64 {
-                    break;
+                if gain < (0.1 + 0.002 * self.segments.len() as f64).max(ENOUGH * (first - cost)) {
+                    if small {
+                        converged = true;
+                        break;
+                    }
+                    small = true;
+                } else {
+                    small = false;
                 }
             } else {
                 damping *= 8.0;
                 if damping > 1e6 {
+                    converged = true;
                     break;
                 }
             }
         }
         let covariance = self.covariance(&normals, &states, free.len());
         let samples = normals.iter().map(|n| n.samples).collect();
-        Ok(Fit { candidate, free: free.to_vec(), covariance, mse, samples, initial: states, cost, iterations: taken })
+        Ok(Fit { candidate, free: free.to_vec(), covariance, mse, samples, initial: states, cost, converged })
     }
 
     /// Evaluates every segment from its stepped start. Where that made a segment worse (a reversal or a release jumps to
@@ -322,7 +371,7 @@ impl Problem<'_> {
         old_mse: &[f64],
         stepped: Vec<Start>,
     ) -> (Vec<Start>, Vec<Normal>) {
-        let floor = self.sigma * self.sigma;
+        let floor = self.floor();
         let settle = |i: usize, start: Start| {
             let segment = self.segments[i];
             let cost = |start: &Start, normal: &Normal| {
@@ -331,19 +380,17 @@ impl Problem<'_> {
             };
             let run = |start: Start| (start, self.normal_any(candidate, free, segment, start));
             let mut best = run(start);
-            if best.1.mse <= old_mse[i].max(2.0 * floor) {
+            if best.1.mse <= (JUMP * old_mse[i]).max(2.0 * floor) {
                 return best;
             }
             let before = run(old[i]);
             if cost(&before.0, &before.1) < cost(&best.0, &best.1) {
                 best = before;
             }
-            for damping in [1e-3, 1.0] {
-                let Some(step) = self.start_step(&best.1, segment, best.0, free.len(), damping) else { continue };
+            if let Some(step) = self.start_step(&best.1, segment, best.0, free.len(), 1e-2) {
                 let next = run(step);
                 if cost(&next.0, &next.1) < cost(&best.0, &best.1) {
                     best = next;
-                    break;
                 }
             }
             best
@@ -367,7 +414,7 @@ impl Problem<'_> {
         p: usize,
         damping: f64,
     ) -> (DMatrix<f64>, DVector<f64>) {
-        let weight = 1.0 / (self.sigma * self.sigma + normal.mse);
+        let weight = 1.0 / (self.floor() + normal.mse);
         let count = normal.gradient.len() - p;
         let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
         let mut gradient = normal.gradient.rows(p, count).into_owned();
@@ -395,7 +442,7 @@ impl Problem<'_> {
             eliminated: Vec::with_capacity(normals.len()),
         };
         for ((normal, segment), state) in normals.iter().zip(self.segments).zip(states) {
-            let weight = 1.0 / (self.sigma * self.sigma + normal.mse);
+            let weight = 1.0 / (self.floor() + normal.mse);
             let count = normal.gradient.len() - p;
             let (local, local_gradient) = self.local_equations(normal, *segment, *state, p, damping);
             let inverse = local.cholesky()?.inverse();
@@ -437,22 +484,15 @@ impl Problem<'_> {
     }
 
     /// One damped Gauss–Newton step: parameters and initial states.
-    fn step(
-        &self,
-        normals: &[Normal],
-        candidate: &Candidate,
-        states: &[Start],
-        free: &[Free],
-        damping: f64,
-    ) -> Option<(DVector<f64>, Vec<Start>)> {
-        let p = free.len();
+    fn step(&self, normals: &[Normal], states: &[Start], p: usize, damping: f64) -> Option<(DVector<f64>, Vec<Start>)> {
         let reduced = self.reduce(normals, states, p, damping)?;
-        // Parameters the data does not touch keep their value.
-        let curvature = (0..p).map(|i| reduced.hessian[(i, i)] * free[i].get(candidate).powi(2)).fold(0.0, f64::max);
         let mut damped = reduced.hessian.clone();
         for i in 0..p {
-            let scale = free[i].get(candidate).abs().max(1e-9);
-            damped[(i, i)] += damping * reduced.hessian[(i, i)] + (1e-12 * curvature + 1e-300) / (scale * scale);
+            damped[(i, i)] *= 1.0 + damping;
+            // A parameter that the data does not touch keeps its value.
+            if !(damped[(i, i)] > 0.0) {
+                damped[(i, i)] = 1.0;
+            }
         }
         let step = damped.cholesky()?.solve(&reduced.gradient);
         let local = reduced
@@ -478,7 +518,7 @@ impl Problem<'_> {
     /// Scores a fixed model: only the initial states are fitted. Gives the mean square error of every segment.
     pub fn score(&self, candidate: &Candidate) -> Vec<f64> {
         self.segments
-            .iter()
+            .par_iter()
             .map(|&segment| {
                 let problem = Problem { segments: std::slice::from_ref(&segment), ..*self };
                 problem.fit(candidate, &[], None, 6).map_or(f64::INFINITY, |fit| fit.mse[0])
