@@ -179,7 +179,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
     let share = |fit: &Fit| (current.cost - fit.cost) / (current.cost - best);
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit
-            && share(fit) > COMPETITIVE
+            && (share(fit) > COMPETITIVE || (t.kind.threshold() && !t.kind.remembers()))
         {
             *fit = polished(&data, fit.clone(), share(fit) > CONTENDING);
         }
@@ -294,7 +294,9 @@ fn polished(data: &Data, fit: Fit, contender: bool) -> Fit {
     let last = fit.candidate.effects.len() - 1;
     let fit = if contender { converged(data, &fit) } else { fit };
     let fit = refined(&problem, fit, last);
-    if contender && fit.candidate.effects[last].kind.threshold() { along_thresholds(&problem, fit, last) } else { fit }
+    // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
+    let kind = fit.candidate.effects[last].kind;
+    if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
 }
 
 /// The model with its effect `j` replaced by each of `rivals`, simpler laws that were tried when it was named, refitted over
