@@ -63,11 +63,18 @@ pub enum FaultCause {
     SettingsLost,
     /// The saved model was damaged or of another version; none is loaded.
     ModelLost,
+    /// From rest the axis moved against the drive (value: counts): encoder or motor is connected the wrong way round,
+    /// and no loop may be closed.
+    WrongDirection,
+    /// The device was reset (pin, supply) while the drive was on (value: tick at which the run had started).
+    ResetWhileDriven,
+    /// The controller's output was not a finite number.
+    NotFinite,
 }
 
 impl FaultCause {
     /// Every cause.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::EncoderFrozen,
         Self::EncoderJump,
         Self::EncoderError,
@@ -80,6 +87,9 @@ impl FaultCause {
         Self::Panic,
         Self::SettingsLost,
         Self::ModelLost,
+        Self::WrongDirection,
+        Self::ResetWhileDriven,
+        Self::NotFinite,
     ];
 }
 
