@@ -97,9 +97,9 @@ impl Args {
             Ok(reason) => (*reason).to_owned(),
             Err(error) => error.to_string(),
         };
-        let kept = capture.finish(&reason).map_err(|error| {
-            anyhow::anyhow!("{error}; the samples are in {}", part_of(&self.output).display())
-        })?;
+        let kept = capture
+            .finish(&reason)
+            .map_err(|error| anyhow::anyhow!("{error}; the samples are in {}", part_of(&self.output).display()))?;
         let file = self.output.display();
         if let Err(error) = ended {
             let saved = if kept {

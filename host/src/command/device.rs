@@ -247,8 +247,7 @@ impl Board {
                 return Err(UsageError(format!("there is no setting `{name}`{hint}")).into());
             }
         }
-        let chosen: Vec<_> =
-            list.into_iter().filter(|(name, _)| names.is_empty() || names.contains(name)).collect();
+        let chosen: Vec<_> = list.into_iter().filter(|(name, _)| names.is_empty() || names.contains(name)).collect();
         let document: Map<String, Value> = chosen.iter().cloned().collect();
         self.output.print(&document, |_| {
             chosen.iter().fold(String::new(), |mut text, (name, value)| {

@@ -184,7 +184,8 @@ impl Args {
             outcome.run.recording.write(&file)?;
             let samples = outcome.run.recording.t.len();
             if let Some(error) = outcome.error {
-                let saved = format!("the {samples} samples of {} until then are in {}", experiment.name, file.display());
+                let saved =
+                    format!("the {samples} samples of {} until then are in {}", experiment.name, file.display());
                 return Err(anyhow::Error::new(error).context(saved));
             }
             recordings.push(Entry {

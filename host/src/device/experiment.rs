@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mode, OpenLoop, Pid, Reference, Relay, Reply, Settings,
-    Track, Trajectory,
+    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mode, OpenLoop, Pid, Reference, Relay, Reply,
+    Settings, Track, Trajectory,
 };
 
 use super::scale::Scale;
@@ -265,7 +265,8 @@ pub fn commands(experiment: &Experiment, scale: &Scale) -> Result<Vec<Command>, 
                 let need = format!("h1 + h2 is at most {total} {}", scale.units.u);
                 return Err(DeviceError::Range { what: "excitation.h1 + h2", value: h1 + h2, need });
             }
-            let hysteresis = hysteresis.map(|band| scale.counts("excitation.hysteresis", (band / scale.step).ceil() * scale.step));
+            let hysteresis =
+                hysteresis.map(|band| scale.counts("excitation.hysteresis", (band / scale.step).ceil() * scale.step));
             let h1_code = scale.code("excitation.h1", h1)?;
             // Both rounded up can be one code more than there is.
             let h2_code = scale.code("excitation.h2", h2)?.min(i16::MAX - h1_code);

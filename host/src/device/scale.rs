@@ -39,7 +39,11 @@ impl Scale {
             ("drive_full_scale", f64::from(info.drive_full_scale), valid(info.drive_full_scale)),
         ] {
             if !valid {
-                return Err(DeviceError::Range { what, value, need: "the board reports a scale that is of no use".into() });
+                return Err(DeviceError::Range {
+                    what,
+                    value,
+                    need: "the board reports a scale that is of no use".into(),
+                });
             }
         }
         let mut step = decimal(info.position_per_count);
@@ -101,7 +105,11 @@ impl Scale {
             return Ok(code as i16);
         }
         let (least, most) = (self.drive(1), self.full_scale);
-        Err(DeviceError::Range { what, value: drive, need: format!("it drives with {least:.2e} to {most} {}", self.units.u) })
+        Err(DeviceError::Range {
+            what,
+            value: drive,
+            need: format!("it drives with {least:.2e} to {most} {}", self.units.u),
+        })
     }
 
     /// The nearest number of counts of a distance, ≥ 0.
@@ -135,8 +143,11 @@ impl Scale {
     /// # Errors
     /// [`DeviceError::Range`] names `what`.
     pub fn phase_step(&self, what: &'static str, period_s: f64) -> Result<u32, DeviceError> {
-        phase_step(period_s * self.tick_hz)
-            .ok_or_else(|| DeviceError::Range { what, value: period_s, need: "2 to 2³² control ticks".into() })
+        phase_step(period_s * self.tick_hz).ok_or_else(|| DeviceError::Range {
+            what,
+            value: period_s,
+            need: "2 to 2³² control ticks".into(),
+        })
     }
 }
 

@@ -46,13 +46,19 @@ pub fn set(settings: &mut Settings, assignment: &str) -> Result<(), String> {
         "position_unit" => {
             let unit = PositionUnit::ALL.into_iter().find(|unit| unit.symbol() == text);
             settings.position_unit = unit.ok_or_else(|| {
-                format!("position_unit = {text} is not known; there are {}", PositionUnit::ALL.map(PositionUnit::symbol).join(", "))
+                format!(
+                    "position_unit = {text} is not known; there are {}",
+                    PositionUnit::ALL.map(PositionUnit::symbol).join(", ")
+                )
             })?;
         }
         "drive_unit" => {
             let unit = DriveUnit::ALL.into_iter().find(|unit| unit.symbol() == text);
             settings.drive_unit = unit.ok_or_else(|| {
-                format!("drive_unit = {text} is not known; there are {}", DriveUnit::ALL.map(DriveUnit::symbol).join(", "))
+                format!(
+                    "drive_unit = {text} is not known; there are {}",
+                    DriveUnit::ALL.map(DriveUnit::symbol).join(", ")
+                )
             })?;
         }
         _ => {
