@@ -9,3 +9,4 @@ extern crate std;
 
 pub mod app;
 pub mod board;
+pub mod storage;
