@@ -1,7 +1,7 @@
 //! On-board identification: from the samples of relay experiments to (b, c, f1) with standard errors.
 //!
 //! The first whole cycle tells the period T. From then on the weak form over windows of 2T sums in f32, here in the
-//! thread; the tick sums the sine fit in integers. [`Identification::solve`] then takes a time that does not depend on
+//! thread; once the period keeps, the tick sums the sine fit in integers. [`Identification::solve`] then takes a time that does not depend on
 //! the record.
 
 mod cycle;
@@ -24,6 +24,9 @@ const LINE: usize = 128;
 const EXPERIMENTS: usize = 3;
 /// Half-width of the velocity's sign in periods (identification.md section 4: 0.01 to 0.02).
 const HALF_WIDTH: f32 = 0.01;
+/// Relative change from one period to the next below which the sine fit starts: at 100 cycles and 32 blocks it may be
+/// wrong by 4 % (identification.md section 3: B ≥ 8·M·|ε|).
+const STEADY: f32 = 0.02;
 /// Relative change of period and amplitude still to come at which a cycle has settled.
 const TOLERANCE: f32 = 0.005;
 /// How long a cycle may take to settle before the detector gives up; the run itself goes on.
@@ -76,6 +79,8 @@ struct Active {
     detector: Option<Detector>,
     judged: bool,
     weak: Option<(WeakForm, WeakState)>,
+    period: Option<f32>,
+    summing: bool,
 }
 
 /// The sums of the relay experiments, and the one under way.
@@ -110,6 +115,8 @@ impl Identification {
             detector: None,
             judged: false,
             weak: None,
+            period: None,
+            summing: false,
         });
     }
 
@@ -136,11 +143,17 @@ impl Identification {
             weak.push(state, x, u);
         }
         let error = sample.reference.wrapping_sub(sample.count);
-        let period = active.timer.push(error);
-        if let (Some(period), None, false) = (period, &active.weak, self.gaps) {
-            active.weak = weak_form(period, ts, settings);
-            let omega = core::f64::consts::TAU * f64::from(tick_hz) / f64::from(period);
-            return StreamingSine::new(omega, 1.0 / f64::from(tick_hz)).ok().map(Want::Sums);
+        if let (Some(period), false) = (active.timer.push(error), self.gaps) {
+            let last = active.period.replace(period);
+            if active.weak.is_none() {
+                active.weak = weak_form(period, ts, settings);
+            }
+            // The fit resolves frequencies near its own only: it waits until the period keeps.
+            if !active.summing && last.is_some_and(|last| (last - period).abs() <= STEADY * period) {
+                active.summing = true;
+                let omega = core::f64::consts::TAU * f64::from(tick_hz) / f64::from(period);
+                return StreamingSine::new(omega, 1.0 / f64::from(tick_hz)).ok().map(Want::Sums);
+            }
         }
         active.judge(error, u, ts, settings)
     }
