@@ -2,7 +2,7 @@
 //!
 //! Builds for the host as well, where the same code runs in unit tests.
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
