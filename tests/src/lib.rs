@@ -1,5 +1,6 @@
 //! Shared helpers of the cross-crate tests.
 
+pub mod adaptive;
 pub mod blind;
 use std::path::PathBuf;
 
