@@ -39,7 +39,8 @@ impl Smooth {
         let (mut first, mut last, mut sum) = (None, f64::INFINITY, 0.0_f64);
         for k in 0..(seconds / TICK_S) as usize {
             let t = k as f64 * TICK_S;
-            let reference = Setpoint { x: 0.3 * (w * t).sin(), v: 0.3 * w * (w * t).cos(), a: -0.3 * w * w * (w * t).sin() };
+            let reference =
+                Setpoint { x: 0.3 * (w * t).sin(), v: 0.3 * w * (w * t).cos(), a: -0.3 * w * w * (w * t).sin() };
             let (error, error_rate) = (reference.x - x, reference.v - v);
             let s = GAINS.lambda1 * state.integral + GAINS.lambda2 * error + error_rate;
             let s_delta = s - DELTA * (s / DELTA).clamp(-1.0, 1.0);
@@ -70,7 +71,8 @@ impl Smooth {
                 f: hat.f + self.signs[3] * (added.f - 10.0),
             };
             // The drive is held: a classical Runge–Kutta step of the plant.
-            let rate = |v: f64, t: f64| (u - PAPER.c * v - PAPER.f1 * direction(v) - RESIDUAL * (7.0 * t).sin()) / PAPER.b;
+            let rate =
+                |v: f64, t: f64| (u - PAPER.c * v - PAPER.f1 * direction(v) - RESIDUAL * (7.0 * t).sin()) / PAPER.b;
             let k1 = rate(v, t);
             let k2 = rate(v + 0.5 * TICK_S * k1, t + 0.5 * TICK_S);
             let k3 = rate(v + 0.5 * TICK_S * k2, t + 0.5 * TICK_S);
