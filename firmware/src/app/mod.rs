@@ -18,6 +18,7 @@ mod excite;
 mod guard;
 mod memory;
 mod run;
+mod thread;
 mod tick;
 
 pub use accumulate::{Accumulation, Sums};
@@ -27,4 +28,5 @@ pub use excite::Excitation;
 pub use guard::Guards;
 pub use memory::remember_panic;
 pub use run::{RunLimits, RunOrder};
+pub use thread::{App, Experiment, Identification, Identity, Planner, Wish, guards};
 pub use tick::{Tick, TickSettings};

@@ -11,6 +11,9 @@
 mod clock;
 mod drive;
 mod encoder;
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+#[allow(unsafe_code, reason = "registers and fixed addresses of the board")]
+pub mod mps2_an386;
 mod protection;
 mod sign_magnitude;
 mod wire;

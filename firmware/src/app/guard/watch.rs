@@ -46,6 +46,8 @@ pub(in crate::app) struct Watch {
     silent_ticks: u32,
     /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
     first_drive: Option<i32>,
+    /// Counts in the tick before the first drive.
+    coasting: i32,
     /// The axis has moved since the start of the run.
     moved: bool,
 }
@@ -69,6 +71,7 @@ impl Watch {
             still_ticks: 0,
             silent_ticks: 0,
             first_drive: Some(0),
+            coasting: 0,
             moved: false,
         }
     }
@@ -89,7 +92,8 @@ impl Watch {
         } else {
             self.still_ticks = 0;
         }
-        if self.first_drive.is_some() && self.against(guards, i32::from(seen.drive), distance) {
+        self.moved |= distance.unsigned_abs() >= 2;
+        if self.against(guards, seen, distance) {
             return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
         }
         self.silent_ticks = if seen.alive { 0 } else { self.silent_ticks.saturating_add(1) };
@@ -135,16 +139,24 @@ impl Watch {
         Verdict::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
     }
 
-    /// Until the drive first changes its sign, the axis can only have moved its way; whether it has moved against it.
-    fn against(&mut self, guards: &Guards, drive: i32, distance: i32) -> bool {
-        let first = self.first_drive.unwrap_or(0);
-        let along = distance.saturating_mul(first);
-        self.moved |= distance.unsigned_abs() >= 2;
+    /// Whether the axis has gained speed against the drive, which has kept its sign since the start of the run. One that
+    /// was still coasting when the run started moves against it too, but loses speed.
+    fn against(&mut self, guards: &Guards, seen: Observation, distance: i32) -> bool {
+        let drive = i32::from(seen.drive);
+        let Some(first) = self.first_drive else {
+            return false;
+        };
         if first == 0 {
+            self.coasting = seen.moved;
             self.first_drive = Some(drive.signum());
-        } else if drive.signum() == -first {
+            return false;
+        }
+        if drive.signum() == -first {
             self.first_drive = None;
         }
-        along <= -guards.direction_counts
+        let coasting = self.coasting.saturating_mul(-first).max(0);
+        let gained =
+            (self.speed >> SPEED_SHIFT).saturating_mul(-first) >= coasting.saturating_add(1).saturating_mul(16);
+        gained && distance.saturating_mul(-first) >= guards.direction_counts
     }
 }
