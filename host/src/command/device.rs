@@ -1,7 +1,7 @@
 //! `breakaway device`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use breakaway_core::link::{Command, FaultRecord, Identified, Info, Reply, Settings};
 use serde::Serialize;
@@ -141,7 +141,7 @@ impl Args {
             Action::Model { action: ModelAction::Save } | Action::Save => {
                 board.done(Command::Save, "settings and model are saved")
             }
-            Action::Model { action: ModelAction::Get { output } } => board.model_get(output),
+            Action::Model { action: ModelAction::Get { output } } => board.model_get(output.as_deref()),
             Action::Identify => board.identify(),
             Action::Stop => board.done(Command::Stop, "stopped"),
             Action::Reboot => board.done(Command::Reboot, "resetting"),
@@ -273,9 +273,8 @@ impl Board {
     }
 
     fn fault(&mut self) -> anyhow::Result<()> {
-        let record = match self.client.request(Command::GetFault)? {
-            Reply::Fault(record) => record,
-            _ => return Err(DeviceError::Nonsense { command: "fault" }.into()),
+        let Reply::Fault(record) = self.client.request(Command::GetFault)? else {
+            return Err(DeviceError::Nonsense { command: "fault" }.into());
         };
         let document = record.map_or(Value::Null, |record| fault_json(&record, &self.scale));
         self.output.print(&json!({ "fault": document }), |_| match record {
@@ -307,14 +306,14 @@ impl Board {
         self.output.print(&Done { done: "loaded; `save` keeps it across resets" }, |done| done.done.to_owned())
     }
 
-    fn model_get(&mut self, file: Option<PathBuf>) -> anyhow::Result<()> {
+    fn model_get(&mut self, file: Option<&Path>) -> anyhow::Result<()> {
         let wire = match self.client.request(Command::GetModel)? {
             Reply::Model(Some(wire)) => wire,
             Reply::Model(None) => return Err(anyhow::anyhow!("no model is loaded on the board")),
             _ => return Err(DeviceError::Nonsense { command: "model get" }.into()),
         };
         let model = model::from_wire(&wire, &self.info, &self.scale)?;
-        if let Some(file) = &file {
+        if let Some(file) = file {
             model.write(file)?;
         }
         let document = json!({
@@ -325,16 +324,15 @@ impl Board {
                 .map(|effect| json!({ "name": effect.name, "parameters": effect.parameters }))
                 .collect::<Vec<_>>(),
         });
-        self.output.print(&document, |_| match &file {
+        self.output.print(&document, |_| match file {
             Some(file) => format!("written to {}", file.display()),
             None => model.to_toml(),
         })
     }
 
     fn identify(&mut self) -> anyhow::Result<()> {
-        let found = match self.client.request(Command::Identify)? {
-            Reply::Identified(found) => found,
-            _ => return Err(DeviceError::Nonsense { command: "identify" }.into()),
+        let Reply::Identified(found) = self.client.request(Command::Identify)? else {
+            return Err(DeviceError::Nonsense { command: "identify" }.into());
         };
         let units = &self.scale.units;
         let rows = [("b", found.b, units.of_b()), ("c", found.c, units.of_c()), ("f1", found.f1, units.of_f1())];

@@ -29,6 +29,7 @@ const POLL: Duration = Duration::from_millis(50);
 const KEEP_ALIVE: Duration = Duration::from_millis(200);
 
 /// What the reading thread hands over.
+#[allow(clippy::large_enum_variant)] // Most of them are messages.
 enum Incoming {
     Message(Message),
     Peer { id: u16, version: u16, schema: u32 },

@@ -90,7 +90,7 @@ impl Runner {
         {
             return Err(error);
         }
-        Ok(self.outcome(experiment, record, error))
+        Ok(self.outcome(experiment, &record, error))
     }
 
     /// The fault that is latched, as an error.
@@ -150,7 +150,7 @@ impl Runner {
         }
     }
 
-    fn outcome(&self, experiment: &Experiment, record: Record, error: Option<DeviceError>) -> Outcome {
+    fn outcome(&self, experiment: &Experiment, record: &Record, error: Option<DeviceError>) -> Outcome {
         let scale = &self.scale;
         let mut recording = Recording {
             name: experiment.name.clone(),

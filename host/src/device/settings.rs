@@ -63,7 +63,7 @@ pub fn set(settings: &mut Settings, assignment: &str) -> Result<(), String> {
         }
         _ => {
             let value: Value = serde_json::from_str(text).map_err(|_| wrong())?;
-            let mut fields = serde_json::to_value(&*settings).map_err(|error| error.to_string())?;
+            let mut fields = serde_json::to_value(*settings).map_err(|error| error.to_string())?;
             fields[name] = value;
             *settings = serde_json::from_value(fields).map_err(|_| wrong())?;
         }

@@ -71,7 +71,7 @@ pub fn batches(first: u32, samples: u32, mode: Mode) -> Vec<Batch> {
     let sample = |k: u32| Sample {
         tick: first + k,
         count: k.cast_signed(),
-        drive_code: if (k / 50) % 2 == 0 { 2731 } else { -2731 },
+        drive_code: if (k / 50).is_multiple_of(2) { 2731 } else { -2731 },
         reference: 0,
         mode,
     };
@@ -107,7 +107,8 @@ impl Peer {
         unlockpt(&master).unwrap();
         let port = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
         // Kept open, or the master hangs up whenever the program under test closes it.
-        let slave = rustix::fs::open(&port, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Permissions::empty()).unwrap();
+        let slave =
+            rustix::fs::open(&port, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Permissions::empty()).unwrap();
         let mut master = File::from(master);
         let unplug = Arc::new(AtomicBool::new(false));
         let ending = Arc::clone(&unplug);

@@ -52,15 +52,18 @@ pub fn draw(state: &State, plain: bool, area: Rect, buffer: &mut Buffer) {
 
 fn header(state: &State, area: Rect, buffer: &mut Buffer) {
     let text = format!(" breakaway monitor  {}  {}", state.title, state.port);
-    let mut text: String = text.chars().take(usize::from(area.width)).collect();
-    if state.frozen {
-        text.truncate(text.floor_char_boundary(usize::from(area.width).saturating_sub(10)));
-        text.push_str("  [frozen]");
-    }
+    // Cut by characters: a narrow screen must not cut one in two.
+    let width = usize::from(area.width);
+    let frozen = "  [frozen]";
+    let text: String = if state.frozen {
+        text.chars().take(width.saturating_sub(frozen.len())).chain(frozen.chars()).collect()
+    } else {
+        text.chars().take(width).collect()
+    };
     Paragraph::new(text).style(Style::new().add_modifier(Modifier::REVERSED)).render(area, buffer);
 }
 
-fn row<'a>(label: &'a str, value: String, style: Style) -> Line<'a> {
+fn row(label: &str, value: String, style: Style) -> Line<'_> {
     Line::from(vec![Span::styled(format!(" {label:<11}"), LABEL), Span::styled(value, style)])
 }
 

@@ -68,7 +68,7 @@ fn screen(state: &State, plain: bool, width: u16, height: u16) -> String {
     let mut buffer = Buffer::empty(area);
     draw(state, plain, area, &mut buffer);
     let lines = (0..height).map(|y| (0..width).map(|x| buffer[(x, y)].symbol()).collect::<String>());
-    lines.map(|line| format!("{}\n", line.trim_end())).collect()
+    lines.map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
 #[test]
