@@ -16,6 +16,7 @@ pub mod recording_args;
 pub mod run;
 pub mod simulate;
 pub mod sinefit;
+pub mod virtual_board;
 
 use std::process::ExitCode;
 
@@ -51,6 +52,8 @@ pub enum Command {
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
     Effects(effects::Args),
+    /// Run the firmware on a virtual board: QEMU with a simulated plant, behind a pseudo-terminal
+    VirtualBoard(virtual_board::Args),
     /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
     Sinefit(sinefit::Args),
     /// Record what a board measures, until Ctrl-C
@@ -77,6 +80,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Identify(args) => args.run(output),
         Command::Effects(args) => args.run(output),
         Command::Sinefit(args) => args.run(output),
+        Command::VirtualBoard(args) => args.run(output),
         Command::Capture(args) => args.run(output),
         Command::Monitor(args) => args.run(output),
         Command::Device(args) => args.run(output),

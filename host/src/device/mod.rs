@@ -14,6 +14,7 @@ pub mod scale;
 pub mod settings;
 pub mod stream;
 pub mod text;
+pub mod virtual_board;
 
 pub use client::{Client, Counters};
 pub use error::DeviceError;
