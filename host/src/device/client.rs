@@ -18,7 +18,7 @@ use super::{DeviceError, port, text};
 /// How long the first answer may take: a board that has just been plugged in needs to start.
 const HELLO_TIMEOUT: Duration = Duration::from_millis(2500);
 /// How often hello is said again meanwhile.
-const HELLO_AGAIN: Duration = Duration::from_millis(400);
+const HELLO_AGAIN: Duration = Duration::from_millis(150);
 /// How long an answer may take.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long solving or writing flash may take, on the slowest target.

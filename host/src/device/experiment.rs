@@ -11,7 +11,7 @@ use breakaway_core::link::{
 };
 
 use super::scale::Scale;
-use super::stream::{Row, Stream, Totals};
+use super::stream::{Row, Stream};
 use super::{Client, DeviceError, text};
 use crate::interrupt::FinishFirst;
 use crate::recording::Recording;
@@ -32,8 +32,8 @@ pub struct Outcome {
     pub experiment: Experiment,
     /// How the board says it ended; `None` if the end was not seen.
     pub ended: Option<Ended>,
-    /// Samples received and missing.
-    pub totals: Totals,
+    /// Samples missing between the first and the last of the experiment.
+    pub missing: u64,
     /// Why it is not complete.
     pub error: Option<DeviceError>,
 }
@@ -178,8 +178,10 @@ impl Runner {
             (None, None) => "unknown".to_owned(),
         };
         recording.meta.insert("ended".into(), ended);
-        if record.stream.totals.missing > 0 {
-            recording.meta.insert("samples missing".into(), record.stream.totals.missing.to_string());
+        // What is missing before the first sample is not of the experiment.
+        let missing: u64 = record.rows.iter().skip(1).map(|row| row.missing).sum();
+        if missing > 0 {
+            recording.meta.insert("samples missing".into(), missing.to_string());
         }
         let start = recording.x.first().copied().unwrap_or(0.0);
         let tripped = match record.ended.map(|ended| ended.ending) {
@@ -190,7 +192,7 @@ impl Runner {
             run: Run { recording, true_x: Vec::new(), start, tripped },
             experiment: self.as_run(experiment),
             ended: record.ended,
-            totals: record.stream.totals,
+            missing,
             error,
         }
     }

@@ -55,13 +55,13 @@ fn lost_frames_are_gaps_and_nothing_is_filled_in() {
     bytes[at] ^= 0x10;
     let peer = Peer::answering(reply, bytes, Then::Stay);
     let run =
-        breakaway(&["capture", "--port", &peer.port, "-o", path.to_str().unwrap(), "--seconds", "0.399", "--json"]);
+        breakaway(&["capture", "--port", &peer.port, "-o", path.to_str().unwrap(), "--seconds", "0.35", "--json"]);
     let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     let number = |key: &str| document[key].as_u64().unwrap() as usize;
-    assert_eq!((number("samples"), number("missing"), number("gaps")), (400 - lost, lost, 1));
+    assert_eq!((number("samples"), number("missing"), number("gaps")), (350 - lost, lost, 1));
     assert_eq!((number("lost_frames"), number("damaged_frames"), number("dropped_on_board")), (1, 1, 0));
     let recording = read(&path);
-    assert_eq!((recording.x.len(), recording.gaps.as_slice()), (400 - lost, &[first][..]));
+    assert_eq!((recording.x.len(), recording.gaps.as_slice()), (350 - lost, &[first][..]));
     assert_eq!(recording.meta["samples missing at gaps"], lost.to_string());
     // Every sample stands at its own time: position k·0.001 rad at k ms.
     assert!(recording.t.iter().zip(&recording.x).all(|(t, x)| (t - x).abs() < 1e-12));
@@ -139,11 +139,11 @@ fn wait_waits_for_the_port() {
     let folder = tempfile::tempdir().unwrap();
     let (path, link) = (folder.path().join("a.csv"), folder.path().join("port"));
     let peer = Peer::answering(reply, stream(&batches(0, 100, Mode::Idle)), Then::Stay);
-    let arguments = ["capture", "--port", link.to_str().unwrap(), "-o", path.to_str().unwrap(), "--seconds", "0.09"];
+    let arguments = ["capture", "--port", link.to_str().unwrap(), "-o", path.to_str().unwrap(), "--seconds", "0.099"];
     assert!(failure(&breakaway(&arguments), 1).contains("there is no port"));
     let child = start(&[&arguments[..], &["--wait"]].concat());
     std::thread::sleep(Duration::from_millis(200));
     std::os::unix::fs::symlink(&peer.port, &link).unwrap();
     assert!(child.wait_with_output().unwrap().status.success());
-    assert_eq!(read(&path).x.len(), 100);
+    assert_eq!(read(&path).x.len(), 99);
 }
