@@ -201,11 +201,16 @@ impl Client {
             Command::Identify | Command::Save | Command::ClearFault => LONG_TIMEOUT,
             _ => REPLY_TIMEOUT,
         };
+        let new_stream = matches!(command, Command::StreamOn { .. });
         let wanted = self.send(command)?;
         let until = Instant::now() + timeout;
         while let Some(left) = until.checked_duration_since(Instant::now()) {
             match self.incoming.recv_timeout(left) {
                 Ok(Incoming::Message(Message::Reply { id, reply })) if id == wanted => {
+                    if new_stream {
+                        // What came before the reply belongs to the stream before.
+                        self.waiting.retain(|message| !matches!(message, Message::Samples(_)));
+                    }
                     return match reply {
                         Reply::Error(error) => Err(DeviceError::Refused { command: name, error }),
                         reply => Ok(reply),
