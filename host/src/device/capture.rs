@@ -61,13 +61,13 @@ impl Capture {
         let failed = |source: io::Error| {
             if source.kind() == io::ErrorKind::AlreadyExists {
                 let what = "an earlier capture was cut off here; it is a valid recording: rename it, or delete it";
-                return DeviceError::Write { file: part.display().to_string(), source: io::Error::other(what) };
+                return DeviceError::Write { file: part.display().to_string(), reason: io::Error::other(what) };
             }
-            DeviceError::Write { file: part.display().to_string(), source }
+            DeviceError::Write { file: part.display().to_string(), reason: source }
         };
         if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
             let source = io::Error::other("is not an ordinary file");
-            return Err(DeviceError::Write { file: path.display().to_string(), source });
+            return Err(DeviceError::Write { file: path.display().to_string(), reason: source });
         }
         let file = OpenOptions::new().write(true).create_new(true).open(&part).map_err(failed)?;
         let mut capture = Self {
@@ -147,14 +147,14 @@ impl Capture {
             skip_header(&mut part)?;
             io::copy(&mut part, out).map(|_| ())
         })
-        .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), source })?;
+        .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), reason: source })?;
         // The recording is safe; a part that does not go is only in the way of the next one, which says so.
         let _ = fs::remove_file(&self.part);
         Ok(true)
     }
 
     fn failed(&self, source: io::Error) -> DeviceError {
-        DeviceError::Write { file: self.part.display().to_string(), source }
+        DeviceError::Write { file: self.part.display().to_string(), reason: source }
     }
 
     /// The comment lines and the header row.

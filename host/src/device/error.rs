@@ -148,11 +148,11 @@ pub enum DeviceError {
     #[error(transparent)]
     Experiment(#[from] crate::simulate::SimulateError),
     /// A file.
-    #[error("cannot write {file}: {source}")]
+    #[error("cannot write {file}: {reason}")]
     Write {
         /// The file.
         file: String,
         /// The system's reason.
-        source: io::Error,
+        reason: io::Error,
     },
 }
