@@ -2,11 +2,14 @@
 //!
 //! `no_std`, no allocation, no `unsafe`, and no panic on any input. The rooms:
 //! [`scalar`] (f32, f64, fixed point), [`plant`] (the model: base equation and named effects),
-//! [`excite`] (what is applied), [`estimate`] (what is learnt).
+//! [`excite`] (what is applied), [`estimate`] (what is learnt), [`control`] (what drives the axis along a reference),
+//! [`link`] (messages and frames).
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod control;
 pub mod estimate;
 pub mod excite;
+pub mod link;
 pub mod plant;
 pub mod scalar;

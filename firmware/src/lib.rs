@@ -2,9 +2,11 @@
 //!
 //! Builds for the host as well, where the same code runs in unit tests.
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
 
+pub mod app;
 pub mod board;
+pub mod storage;

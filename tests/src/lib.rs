@@ -1,5 +1,7 @@
 //! Shared helpers of the cross-crate tests.
 
+pub mod adaptive;
+pub mod adaptive_page;
 pub mod blind;
 use std::path::PathBuf;
 

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 
 use crate::cross::{self, Toolchain};
+use crate::image;
 use crate::report::Report;
 use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
@@ -28,14 +29,18 @@ fn steps(report: &mut Report) -> Result<()> {
     report.check("clippy", || {
         run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))
     })?;
-    report.tests("host tests", || run_counting(&mut cargo(host_tests())))?;
-    report.tests("documentation tests", || {
-        run_counting(&mut cargo(["test", "--workspace", "--doc", "--no-fail-fast"]))
-    })?;
     let mut toolchain = Toolchain::Active;
     report.check("toolchain for the microcontrollers", || {
         toolchain = cross::install()?;
         Ok(())
+    })?;
+    report.check("image of the virtual board, and QEMU", || {
+        image::qemu()?;
+        image::build(toolchain)
+    })?;
+    report.tests("host tests", || run_counting(&mut cargo(host_tests())))?;
+    report.tests("documentation tests", || {
+        run_counting(&mut cargo(["test", "--workspace", "--doc", "--no-fail-fast"]))
     })?;
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;

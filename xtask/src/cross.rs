@@ -1,14 +1,14 @@
 //! Building for the microcontrollers, with whichever toolchain can be had (in this order): the target installed
 //! in the active toolchain, the target from rustup, Debian's rustc that builds its own `core`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 
 use crate::debian;
-use crate::run::{answer, cargo, run, run_within, succeeds};
+use crate::run::{answer, cargo, root, run, run_within, succeeds};
 
 /// Cortex-M4F: the board.
 const M4F: &str = "thumbv7em-none-eabihf";
@@ -16,20 +16,40 @@ const M4F: &str = "thumbv7em-none-eabihf";
 const M0: &str = "thumbv6m-none-eabi";
 const TARGETS: [&str; 2] = [M4F, M0];
 
-/// Packages built for a target.
+/// What is built for a target.
 pub struct Build {
     target: &'static str,
     packages: &'static [&'static str],
+    arguments: &'static [&'static str],
 }
 
 /// What must build, with the title of its step.
 pub const BUILDS: [(&str, &Build); 2] = [
     (
         "build for Cortex-M4F (core, firmware)",
-        &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"] },
+        &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[] },
     ),
-    ("build for Cortex-M0+ (core)", &Build { target: M0, packages: &["breakaway-core"] }),
+    ("build for Cortex-M0+ (core)", &Build { target: M0, packages: &["breakaway-core"], arguments: &[] }),
 ];
+
+/// The virtual board's image.
+pub const IMAGE: Build = Build {
+    target: M4F,
+    packages: &["breakaway-firmware"],
+    arguments: &["--release", "--bin", "mps2-an386", "--features", "board-mps2-an386"],
+};
+/// The images that measure: the tick on the virtual board, and the tick alone on a core without an FPU.
+pub const BUDGET: Build = Build {
+    target: M4F,
+    packages: &["breakaway-firmware"],
+    arguments: &["--release", "--bin", "budget", "--features", "board-mps2-an386"],
+};
+/// See [`BUDGET`].
+pub const INTEGER_TICK: Build = Build {
+    target: M0,
+    packages: &["breakaway-firmware"],
+    arguments: &["--release", "--bin", "integer-tick", "--features", "integer-tick"],
+};
 
 /// Builds with a toolchain that [`install`] has found.
 pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
@@ -41,7 +61,18 @@ pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
     for package in build.packages {
         command.args(["--package", package]);
     }
-    run(&mut command)
+    run(command.args(build.arguments))
+}
+
+/// Where a [`Build`] of a binary puts it.
+pub fn binary(build: &Build, name: &str) -> PathBuf {
+    target_folder().join(build.target).join("release").join(name)
+}
+
+/// Cargo's target folder.
+pub fn target_folder() -> PathBuf {
+    // Relative to where cargo is started, which is the root here.
+    root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
 }
 
 /// Which toolchain builds for the targets.

@@ -32,6 +32,15 @@ pub fn install() -> Result<()> {
     if installed() {
         return Ok(());
     }
+    install_packages(&PACKAGES)?;
+    if !installed() {
+        bail!("the installed packages hold no rustc 1.{MINOR} or later with its sources");
+    }
+    Ok(())
+}
+
+/// Installs packages by apt-get, without questions, removing nothing.
+pub fn install_packages(packages: &[&str]) -> Result<()> {
     if !succeeds(Command::new("apt-get").arg("--version")) {
         bail!("no apt-get here");
     }
@@ -42,11 +51,7 @@ pub fn install() -> Result<()> {
     if let Err(error) = run(&mut apt_get(&["update"])) {
         println!("{error:#}");
     }
-    run(apt_get(&["install", "--yes", "--no-remove", "--no-install-recommends"]).args(PACKAGES))?;
-    if !installed() {
-        bail!("the installed packages hold no rustc 1.{MINOR} or later with its sources");
-    }
-    Ok(())
+    run(apt_get(&["install", "--yes", "--no-remove", "--no-install-recommends"]).args(packages))
 }
 
 /// `cargo build` by Debian's toolchain, building `core` and `alloc` on the way.

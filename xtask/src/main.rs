@@ -1,10 +1,11 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `fuzz`, `bench`, `blind`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`.
 
 mod bench;
 mod check;
 mod cross;
 mod debian;
 mod fuzz;
+mod image;
 mod report;
 mod run;
 mod setup;
@@ -20,6 +21,8 @@ enum Task {
     Test,
     /// Install what `test` needs beyond rustup's stable toolchain
     Setup,
+    /// Build the virtual board's firmware, for `breakaway virtual-board`
+    Image,
     /// Run the bounded fuzz tests of the test suite for longer
     Fuzz {
         /// Time for each fuzz test
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
     let result = match Task::parse() {
         Task::Test => return check::all(),
         Task::Setup => setup::all(),
+        Task::Image => cross::install().and_then(image::build),
         Task::Fuzz { seconds } => fuzz::all(seconds),
         Task::Bench => bench::all(),
         Task::Blind { arguments } => bench::blind(&arguments),

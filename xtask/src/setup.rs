@@ -6,11 +6,13 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use crate::cross::{self, Toolchain};
+use crate::image;
 use crate::run::{cargo, run_within, succeeds};
 
 /// Installs everything.
 pub fn all() -> Result<()> {
     components()?;
+    image::qemu()?;
     let whose = match cross::install()? {
         Toolchain::Active => "the active",
         Toolchain::Debian => "Debian's",

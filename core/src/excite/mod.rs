@@ -1,3 +1,4 @@
-//! What is applied to the axis: the dual relay and the trajectories.
+//! What is applied to the axis: the dual relay, waveforms and trajectories.
 
 pub mod relay;
+pub mod waveform;

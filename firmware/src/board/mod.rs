@@ -1,14 +1,52 @@
-//! What a board gives to the application: an [`Encoder`], a [`Drive`] and a [`Clock`].
+//! What a board gives to the application.
+//!
+//! - To the tick, a [`Board`]: an [`Encoder`], a [`Drive`], a [`Clock`], a [`Protection`] and memory that is
+//!   [`Retained`] through a reset.
+//! - To the thread beside it, a [`Wire`] for the link and a flash (`embedded_storage_async::nor_flash`).
 //!
 //! PWM and pins are those of embedded-hal 1.0, so that any HAL's types fit; it has no traits for encoders and
-//! clocks, so these are our own.
+//! clocks, so these are our own. A board file implements them and a `bin/` ties them together: it makes the
+//! [`crate::app::Channels`], gives one end to the tick's interrupt and the other to the thread.
 
 mod clock;
 mod drive;
 mod encoder;
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+#[allow(unsafe_code, reason = "registers and fixed addresses of the board")]
+pub mod mps2_an386;
+mod protection;
 mod sign_magnitude;
+mod wire;
 
 pub use clock::{Clock, elapsed_us};
 pub use drive::{Applied, Drive, FULL_SCALE};
 pub use encoder::{Encoder, travel};
+pub use protection::{Protection, RETAINED_WORDS, Retained, Trip};
 pub use sign_magnitude::{ConfigError, DriveError, Limits, SignMagnitude};
+pub use wire::Wire;
+
+/// All that the tick needs. A struct with these five fields and five getters is enough; the virtual board's is in
+/// `board/mps2_an386`.
+pub trait Board {
+    /// Position.
+    type Encoder: Encoder;
+    /// Power stage.
+    type Drive: Drive;
+    /// Time.
+    type Clock: Clock;
+    /// Trips and watchdog.
+    type Protection: Protection;
+    /// Memory for the fault record.
+    type Retained: Retained;
+
+    /// The position sensor.
+    fn encoder(&mut self) -> &mut Self::Encoder;
+    /// The power stage.
+    fn drive(&mut self) -> &mut Self::Drive;
+    /// The clock.
+    fn clock(&self) -> &Self::Clock;
+    /// Trips and watchdog.
+    fn protection(&mut self) -> &mut Self::Protection;
+    /// Memory that outlives a reset.
+    fn retained(&mut self) -> &mut Self::Retained;
+}

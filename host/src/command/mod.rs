@@ -2,21 +2,27 @@
 //!
 //! A new command is a variant of [`Command`], an arm in [`run`], and its file.
 
+pub mod capture;
 pub mod demo;
+pub mod device;
 pub mod discover;
 pub mod effects;
 pub mod identify;
+pub mod monitor;
 pub mod output;
+pub mod port_args;
 pub mod progress;
 pub mod recording_args;
 pub mod run;
 pub mod simulate;
 pub mod sinefit;
+pub mod virtual_board;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::device::DeviceError;
 use output::Output;
 
 /// Identify, simulate and discover friction in a servo axis.
@@ -36,7 +42,7 @@ pub struct Cli {
 pub enum Command {
     /// Show the whole story on a simulated axis: relay experiment, sine fit, model
     Demo(demo::Args),
-    /// Run an experiment, or the standard suite, on the simulated plant
+    /// Run an experiment, or the standard suite, on the simulated plant or on a board
     Run(run::Args),
     /// Make a recording from a model, with any effects, and an experiment
     Simulate(simulate::Args),
@@ -46,8 +52,16 @@ pub enum Command {
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
     Effects(effects::Args),
+    /// Run the firmware on a virtual board: QEMU with a simulated plant, behind a pseudo-terminal
+    VirtualBoard(virtual_board::Args),
     /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
     Sinefit(sinefit::Args),
+    /// Record what a board measures, until Ctrl-C
+    Capture(capture::Args),
+    /// Watch a board live: position, drive, mode, rates, drops, faults
+    Monitor(monitor::Args),
+    /// Ask and command a board: identity, settings, model, faults
+    Device(device::Args),
 }
 
 /// A combination of arguments that makes no sense: exit code 2, as for those clap refuses itself.
@@ -66,13 +80,22 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Identify(args) => args.run(output),
         Command::Effects(args) => args.run(output),
         Command::Sinefit(args) => args.run(output),
+        Command::VirtualBoard(args) => args.run(output),
+        Command::Capture(args) => args.run(output),
+        Command::Monitor(args) => args.run(output),
+        Command::Device(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // `{:#}` is the whole chain of causes, on one line.
             eprintln!("error: {error:#}");
-            ExitCode::from(if error.is::<UsageError>() { 2 } else { 1 })
+            let interrupted = matches!(error.downcast_ref(), Some(DeviceError::Interrupted));
+            ExitCode::from(match () {
+                () if error.is::<UsageError>() => 2,
+                () if interrupted => crate::interrupt::INTERRUPTED,
+                () => 1,
+            })
         }
     }
 }

@@ -4,29 +4,38 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context;
+use breakaway_core::link::{self, BAUD, Limit};
 use breakaway_core::plant::Base;
 use serde::Serialize;
 
 use super::output::Output;
 use super::progress;
 use super::recording_args::positive;
+use crate::device::experiment::{Outcome, Runner};
+use crate::device::text;
 use crate::identify::relay::{self, Ending};
+use crate::interrupt::finish_first;
 use crate::model::{BaseSe, Model};
 use crate::recording::Units;
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Experiment, Sensor};
 use crate::simulate::suite::{self, Machine, Role};
 
-/// Run an experiment, or the standard suite, on the simulated plant
+/// Run an experiment, or the standard suite, on the simulated plant or on a board
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway run suite --model model.toml -o session
   breakaway run relay.toml -o session
+  breakaway run suite --port /dev/ttyACM0 -o session
 
 Without --model the plant of the papers is taken: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
 the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score.
 
-JSON: breakaway (of a suite), recordings (file, role, samples, ending). A relay run ends settled, asymmetric (period_s,
+On a board (--port) its tick, its encoder step and its limits hold; a multisine then consists of the multiples of from_hz. Ctrl-C
+stops the axis. If the board is lost, what was recorded until then is kept. Samples that were lost on the way are cut out
+and counted (missing).
+
+JSON: breakaway (of a suite), recordings (file, role, samples, ending; on a board also missing). A relay run ends settled, asymmetric (period_s,
 omega, amplitude, bias, mean_drive, cycles, tolerance), no_limit_cycle (reason), timeout (cycles, last_change), limit_tripped
 (limit, value), or not_judged (reason: the reference moves); ending.kind says which.")]
 pub struct Args {
@@ -34,8 +43,14 @@ pub struct Args {
     #[arg(value_name = "EXPERIMENT")]
     pub experiment: String,
     /// The plant to simulate [default: the papers' plant]
-    #[arg(long, value_name = "M.toml")]
+    #[arg(long, value_name = "M.toml", conflicts_with = "port")]
     pub model: Option<PathBuf>,
+    /// Serial port or pseudo-terminal of a board to run on, instead of the simulated plant
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<String>,
+    /// Baud rate of the port
+    #[arg(long, value_name = "BAUD", default_value_t = BAUD, value_parser = clap::value_parser!(u32).range(300..))]
+    pub baud: u32,
     /// Folder for the recordings
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
@@ -84,6 +99,9 @@ struct Entry {
     role: &'static str,
     samples: usize,
     ending: Option<Ending>,
+    /// Samples lost between board and host.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    missing: Option<u64>,
 }
 
 impl Args {
@@ -92,6 +110,9 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; an experiment or a plant that cannot be simulated.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        if let Some(port) = self.port.clone() {
+            return self.run_on_board(&port, output);
+        }
         let model = self.model.as_deref().map(Model::read).transpose()?.unwrap_or_else(papers_plant);
         let mut axis = Axis::new(model.base, &model.plant_effects()?, model.units.clone());
         let mut breakaway = None;
@@ -107,13 +128,7 @@ impl Args {
         let mut recordings = Vec::new();
         for (role, experiment) in experiments {
             let run = axis.run(&experiment).with_context(|| experiment.name.clone())?;
-            let (folder, role) = match (breakaway, role) {
-                (None, _) => (self.output.clone(), "fit"),
-                (_, Role::Fit) => (self.output.join("fit"), "fit"),
-                (_, Role::Score) => (self.output.join("score"), "score"),
-            };
-            std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-            let file = folder.join(format!("{}.csv", experiment.name));
+            let (file, role) = self.place(breakaway.is_some(), role, &experiment.name)?;
             run.recording.write(&file)?;
             recordings.push(Entry {
                 file: file.display().to_string(),
@@ -121,11 +136,83 @@ impl Args {
                 samples: run.recording.t.len(),
                 // The suite knows the axis by its break-away force only, as on a machine.
                 ending: relay::ending(&run, &experiment, Some(breakaway.unwrap_or(model.base.f1))),
+                missing: None,
             });
             bar.inc(1);
         }
         bar.finish_and_clear();
         output.print(&Document { breakaway, recordings, units: model.units }, table)
+    }
+
+    /// The file of a recording, and its role; the folder is made.
+    fn place(&self, suite: bool, role: Role, name: &str) -> anyhow::Result<(PathBuf, &'static str)> {
+        let (folder, role) = match (suite, role) {
+            (false, _) => (self.output.clone(), "fit"),
+            (true, Role::Fit) => (self.output.join("fit"), "fit"),
+            (true, Role::Score) => (self.output.join("score"), "score"),
+        };
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        Ok((folder.join(format!("{name}.csv")), role))
+    }
+
+    fn run_on_board(self, port: &str, output: Output) -> anyhow::Result<()> {
+        let interrupt = finish_first();
+        let file = (self.experiment != "suite").then(|| Experiment::read(self.experiment.as_ref())).transpose()?;
+        let mut runner = Runner::connect(port, self.baud)?;
+        let units = runner.scale.units.clone();
+        let mut breakaway = None;
+        let experiments = if let Some(experiment) = file {
+            vec![(Role::Fit, experiment)]
+        } else {
+            let machine = self.machine_of_board(&runner);
+            let spinner = progress::spinner();
+            spinner.set_message("finding the break-away force");
+            let found = suite::breakaway_by(&machine, |ramp| {
+                let outcome = runner.run(ramp, &interrupt)?;
+                outcome.error.map_or(Ok(outcome.run), Err)
+            });
+            spinner.finish_and_clear();
+            let found = found?;
+            breakaway = Some(found);
+            suite::suite(found, &machine)
+        };
+        let bar = progress::bar("experiments", experiments.len() as u64);
+        let mut recordings = Vec::new();
+        for (role, experiment) in experiments {
+            let outcome = runner.run(&experiment, &interrupt).with_context(|| experiment.name.clone())?;
+            let (file, role) = self.place(breakaway.is_some(), role, &experiment.name)?;
+            outcome.run.recording.write(&file)?;
+            let samples = outcome.run.recording.t.len();
+            if let Some(error) = outcome.error {
+                let saved =
+                    format!("the {samples} samples of {} until then are in {}", experiment.name, file.display());
+                return Err(anyhow::Error::new(error).context(saved));
+            }
+            recordings.push(Entry {
+                file: file.display().to_string(),
+                role,
+                samples,
+                ending: board_ending(&outcome, breakaway),
+                missing: Some(outcome.missing),
+            });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        output.print(&Document { breakaway, recordings, units }, table)
+    }
+
+    /// The machine as the board allows it.
+    fn machine_of_board(&self, runner: &Runner) -> Machine {
+        let Runner { scale, settings, .. } = runner;
+        let travel = f64::from(settings.travel_max_counts.saturating_sub(settings.travel_min_counts)) * scale.step;
+        Machine {
+            drive_limit: self.drive_limit.min(scale.drive(settings.drive_max_code.into())),
+            // A quarter of the whole leaves the cycle room around a reference that reaches half of it.
+            travel: self.travel.min(0.25 * travel),
+            tick_s: scale.tick_s(),
+            sensor: Sensor { encoder_step: scale.step, noise: 0.0, delay_ticks: 0 },
+            seed: self.seed,
+        }
     }
 
     fn machine(&self) -> Machine {
@@ -139,6 +226,17 @@ impl Args {
     }
 }
 
+/// How a run on a board ended: its own word for limits, the host's judgement of the recording otherwise.
+fn board_ending(outcome: &Outcome, f1: Option<f64>) -> Option<Ending> {
+    match outcome.ended.map(|ended| ended.ending) {
+        Some(link::Ending::Limit { limit, value }) if !matches!(limit, Limit::Travel | Limit::Bound) => {
+            Some(Ending::LimitTripped { limit: text::limit_name(limit), value: f64::from(value) })
+        }
+        _ if outcome.missing > 0 => Some(Ending::NotJudged { reason: "samples are missing" }),
+        _ => relay::ending(&outcome.run, &outcome.experiment, f1),
+    }
+}
+
 fn table(document: &Document) -> String {
     let mut text = String::new();
     if let Some(force) = document.breakaway {
@@ -146,6 +244,9 @@ fn table(document: &Document) -> String {
     }
     for entry in &document.recordings {
         let _ = writeln!(text, "{:<6}{:>7} samples  {}", entry.role, entry.samples, entry.file);
+        if let Some(missing @ 1..) = entry.missing {
+            let _ = writeln!(text, "      {missing} samples are missing: the recording is cut there");
+        }
         if let Some(ending) = &entry.ending {
             let _ = writeln!(text, "      {}", ending.text(&document.units));
         }

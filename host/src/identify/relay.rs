@@ -64,9 +64,10 @@ pub enum Ending {
     },
     /// A limit was passed.
     LimitTripped {
-        /// `travel`, `error` or `not_finite`.
+        /// `travel`, `error` or `not_finite`; on a board also `speed`, `current`, `mean_drive`.
         limit: &'static str,
-        /// Position relative to the start, position units; where it was not finite, what was measured.
+        /// Position relative to the start, position units; where it was not finite, what was measured; for the limits of a
+        /// board, its number (counts/s, mA, drive code).
         value: f64,
     },
     /// The detector does not apply.
@@ -187,6 +188,9 @@ impl Ending {
             }
             Self::LimitTripped { limit: "error", value } => {
                 format!("limit tripped: the error was {value:.4} {}", units.x)
+            }
+            Self::LimitTripped { limit: limit @ ("speed" | "current" | "mean_drive"), value } => {
+                format!("limit tripped: the board's {limit} limit, at {value}")
             }
             Self::LimitTripped { value, .. } => format!("limit tripped: the reading or the drive was {value}"),
             Self::NotJudged { reason } => format!("not judged: {reason}"),

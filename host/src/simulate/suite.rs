@@ -1,7 +1,7 @@
 //! The standard suite of experiments (discovery.md, "The standard suite"), sized from the break-away force.
 
 use super::SimulateError;
-use super::axis::Axis;
+use super::axis::{Axis, Run};
 use super::experiment::{Excitation, Experiment, Reference, Sensor};
 
 /// Whether a recording is for fitting or for scoring.
@@ -33,6 +33,17 @@ pub struct Machine {
 /// # Errors
 /// [`SimulateError::NoBreakaway`] if nothing moves up to the drive limit (taken as 1e3 where there is none).
 pub fn breakaway(axis: &Axis, machine: &Machine) -> Result<f64, SimulateError> {
+    breakaway_by(machine, |ramp| axis.clone().run(ramp))
+}
+
+/// [`breakaway`] of an axis on which `run` runs the ramps.
+///
+/// # Errors
+/// Those of `run`, and [`SimulateError::NoBreakaway`].
+pub fn breakaway_by<E: From<SimulateError>>(
+    machine: &Machine,
+    mut run: impl FnMut(&Experiment) -> Result<Run, E>,
+) -> Result<f64, E> {
     let limit = if machine.drive_limit.is_finite() { machine.drive_limit } else { 1e3 };
     let threshold = 10.0 * machine.sensor.encoder_step.max(machine.sensor.noise).max(1e-6);
     // Each ramp reaches ten times higher than the last, so that weak axes are not thrown.
@@ -48,13 +59,13 @@ pub fn breakaway(axis: &Axis, machine: &Machine) -> Result<f64, SimulateError> {
             excitation: Excitation::Ramp { amplitude: amplitude.min(limit), period_s: 2.0, centring: 0.0 },
             sensor: machine.sensor,
         };
-        let run = axis.clone().run(&ramp)?;
+        let run = run(&ramp)?;
         if run.tripped.is_some() {
             return Ok(run.recording.u.last().copied().unwrap_or(amplitude).abs());
         }
         amplitude *= 10.0;
     }
-    Err(SimulateError::NoBreakaway(limit))
+    Err(SimulateError::NoBreakaway(limit).into())
 }
 
 /// The suite for an axis whose break-away force is `breakaway`: the experiments in the order in which they are run.

@@ -9,10 +9,12 @@
 //! | 10–12 | `core/tests/modulating.rs`; again here, on the host's simulated axis |
 //! | 13 | here |
 //! | 14 | `core/tests/relay.rs`, `host/src/simulate/limit_cycle.rs` |
+//! | 15–18 | here |
 //!
 //! Here is what crosses crates: the core's estimators on the host's axis, the core's stepped plant against the host's
 //! exact one, and the laws of the host's identification.
 
+mod control;
 mod laws;
 mod plant;
 mod rows;

@@ -1,0 +1,301 @@
+//! The adaptive law, corrected (identification.md section 5; errata 27–33 of the paper's eqs 22–31).
+//!
+//!     s = Λ1·∫e + Λ2·e + ė       s_Δ = s − δ·sat(s/δ)       e = x_d − x
+//!     u_c = −Λ1·e − Λ2·ė − ẍ_d − Kv·s_Δ
+//!     u = ĉ·v − b̂·u_c + f̂1·sgn v + f̂·sat(s/δ)
+//!     ĉ' = kc·v·s_Δ    b̂' = −kb·u_c·s_Δ    f̂1' = kf1·sgn v·s_Δ    f̂' = kf·(|s_Δ| − σ·f̂)
+//!
+//! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
+//! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b̂ ≥ b_min and f̂1, ĉ, f̂ ≥ 0 by projection;
+//! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
+//! parameters' own sizes.
+
+use super::fast::Fast;
+use super::trajectory::Setpoint;
+use super::tuning::{Gains, TuningError};
+
+/// What the law adapts, or starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimates<R> {
+    /// b̂, drive units per (X/s²).
+    pub b: R,
+    /// ĉ = f̂2 − â, drive units per (X/s).
+    pub c: R,
+    /// f̂1, drive units.
+    pub f1: R,
+    /// f̂, bound of what the model misses, drive units.
+    pub f: R,
+}
+
+/// How fast the law adapts, and within what.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adaptation {
+    /// kb, kc, kf1, kf: in the units of the parameter squared over (drive unit·X).
+    pub gains: Estimates<f64>,
+    /// Leak of f̂, in X/s per drive unit; 0 for none.
+    pub sigma: f64,
+    /// δ, X/s; > 0.
+    pub delta: f64,
+    /// Smallest b̂; ≥ 0.
+    pub b_min: f64,
+    /// Kv·s in u_c instead of the paper's Kv·s_Δ, so that the PID of remark 1 goes on within δ (erratum 33). The proof
+    /// stays: s·s_Δ ≥ s_Δ², so V̇ ≤ −Kv·b·s_Δ² all the same.
+    pub pid_inside: bool,
+    /// Largest speed of the reference that is expected, X/s: for the gains' limit only.
+    pub speed: f64,
+    /// Largest acceleration of the reference that is expected, X/s²: for the gains' limit only.
+    pub acceleration: f64,
+}
+
+/// Why an adaptive controller is refused; with the largest gain that would do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AdaptiveError {
+    /// Kv, Λ1, Λ2, the filter, the tick, the limit.
+    Gains(TuningError),
+    /// δ is not finite and positive.
+    Delta,
+    /// σ is not finite and non-negative.
+    Sigma,
+    /// `b_min` is not finite and non-negative.
+    SmallestB,
+    /// A start value is not finite and non-negative.
+    Start,
+    /// An expected speed or acceleration is not finite and non-negative.
+    Motion,
+    /// kb is negative, or past |ẍ|·√(kb/b)·Ts = 0.1.
+    B {
+        /// The largest kb.
+        largest: f64,
+    },
+    /// kc is negative, or past |v|·√(kc/b)·Ts = 0.1.
+    C {
+        /// The largest kc.
+        largest: f64,
+    },
+    /// kf1 is negative, or past √(kf1/b)·Ts = 0.1.
+    F1 {
+        /// The largest kf1.
+        largest: f64,
+    },
+    /// kf is negative, or past √(kf/b)·Ts = 0.1.
+    F {
+        /// The largest kf.
+        largest: f64,
+    },
+}
+
+impl Adaptation {
+    /// Gains `k_i = rate²·θ_i²/(b0·…)` scaled by the start values' sizes, so that one number sets the speed of all: along a
+    /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate` rad/s.
+    /// With F = b·acceleration + c·speed + f1, `k_i = (b·rate²/F²)·θ_i²`.
+    ///
+    /// δ is the speed error within which nothing adapts (X/s); a few encoder steps per filter time.
+    pub fn normalised(start: &Estimates<f64>, rate: f64, speed: f64, acceleration: f64, delta: f64) -> Self {
+        let largest = start.b * acceleration + start.c * speed + start.f1;
+        let scale = if largest > 0.0 { start.b * rate * rate / (largest * largest) } else { 0.0 };
+        let gain = |value: f64| scale * value * value;
+        Self {
+            gains: Estimates {
+                b: gain(start.b),
+                c: gain(start.c),
+                f1: gain(start.f1),
+                // What is missed is taken to be a tenth of the friction.
+                f: gain(0.1 * start.f1),
+            },
+            sigma: if start.f1 > 0.0 { delta / start.f1 } else { 0.0 },
+            delta,
+            b_min: 0.2 * start.b,
+            pid_inside: true,
+            speed,
+            acceleration,
+        }
+    }
+}
+
+/// Configuration of the adaptive controller. In Q32 a gain times the tick has steps of 2.3e-10, and below that is 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Adaptive<R> {
+    lambda1: R,
+    lambda2: R,
+    kv: R,
+    /// Kv within δ: Kv or 0.
+    kv_inside: R,
+    delta: R,
+    per_delta: R,
+    tick: R,
+    per_tick: R,
+    alpha: R,
+    /// Adaptation gains times the tick.
+    steps: Estimates<R>,
+    sigma: R,
+    b_min: R,
+    limit: R,
+    start: Estimates<R>,
+}
+
+/// What the adaptive controller remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AdaptiveState<R> {
+    /// The adapted parameters.
+    pub estimates: Estimates<R>,
+    /// ∫e, X·s.
+    pub integral: R,
+    last: Option<R>,
+    rate: R,
+    now: Regressors<R>,
+}
+
+/// What this tick's drive was made of: the adaptation needs it once it is known whether the drive saturated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Regressors<R> {
+    integral: R,
+    s_delta: R,
+    v: R,
+    u_c: R,
+    direction: R,
+}
+
+/// Exact signals in place of those made from positions, for simulation and proofs.
+#[derive(Clone, Copy, Debug)]
+pub struct Ideal<R> {
+    /// e, X.
+    pub error: R,
+    /// ė, X/s.
+    pub error_rate: R,
+    /// What the law takes for sgn v.
+    pub direction: R,
+}
+
+impl<R: Fast> Adaptive<R> {
+    /// An adaptive controller that starts at `start`; `gains.b` is the b its limits are for.
+    ///
+    /// # Errors
+    /// [`AdaptiveError`] names what is out of range, with the largest allowed gain.
+    pub fn new(
+        gains: &Gains,
+        adaptation: &Adaptation,
+        start: &Estimates<f64>,
+        tick_s: f64,
+        delay_ticks: u32,
+        limit: f64,
+    ) -> Result<Self, AdaptiveError> {
+        gains.check(tick_s, delay_ticks).map_err(AdaptiveError::Gains)?;
+        if limit.is_nan() || limit <= 0.0 {
+            return Err(AdaptiveError::Gains(TuningError::Limit));
+        }
+        let Adaptation { gains: k, sigma, delta, b_min, pid_inside, speed, acceleration } = *adaptation;
+        let known = |value: f64| value.is_finite() && value >= 0.0;
+        if !(delta.is_finite() && delta > 0.0) {
+            return Err(AdaptiveError::Delta);
+        }
+        if !(known(sigma) && sigma * k.f * tick_s <= 1.0) {
+            return Err(AdaptiveError::Sigma);
+        }
+        if !known(b_min) {
+            return Err(AdaptiveError::SmallestB);
+        }
+        if ![start.b, start.c, start.f1, start.f].into_iter().all(known) {
+            return Err(AdaptiveError::Start);
+        }
+        if !(known(speed) && known(acceleration)) {
+            return Err(AdaptiveError::Motion);
+        }
+        // |φ|·√(k/b)·Ts ≤ 0.1.
+        let largest = |phi: f64| gains.b * (0.1 / (phi.max(1e-12) * tick_s)) * (0.1 / (phi.max(1e-12) * tick_s));
+        let within = |value: f64, phi: f64| known(value) && value <= largest(phi) * (1.0 + 1e-9);
+        if !within(k.b, acceleration) {
+            return Err(AdaptiveError::B { largest: largest(acceleration) });
+        }
+        if !within(k.c, speed) {
+            return Err(AdaptiveError::C { largest: largest(speed) });
+        }
+        if !within(k.f1, 1.0) {
+            return Err(AdaptiveError::F1 { largest: largest(1.0) });
+        }
+        if !within(k.f, 1.0) {
+            return Err(AdaptiveError::F { largest: largest(1.0) });
+        }
+        let real = R::from_f64;
+        Ok(Self {
+            lambda1: real(gains.lambda1),
+            lambda2: real(gains.lambda2),
+            kv: real(gains.kv),
+            kv_inside: real(if pid_inside { gains.kv } else { 0.0 }),
+            delta: real(delta),
+            per_delta: real(1.0 / delta),
+            tick: real(tick_s),
+            per_tick: real(1.0 / tick_s),
+            alpha: real(tick_s / (gains.filter_s + tick_s)),
+            steps: Estimates {
+                b: real(k.b * tick_s),
+                c: real(k.c * tick_s),
+                f1: real(k.f1 * tick_s),
+                f: real(k.f * tick_s),
+            },
+            sigma: real(sigma),
+            b_min: real(b_min),
+            limit: real(limit),
+            start: Estimates { b: real(start.b), c: real(start.c), f1: real(start.f1), f: real(start.f) },
+        })
+    }
+
+    /// The state at the start.
+    pub fn start(&self) -> AdaptiveState<R> {
+        AdaptiveState { estimates: self.start, ..AdaptiveState::default() }
+    }
+
+    /// The largest |u|.
+    pub const fn limit(&self) -> R {
+        self.limit
+    }
+
+    /// The drive for position `x`, with ė from differences of e and v = ẋ_d − ė; `direction` is the sign of the
+    /// reference's velocity. [`Self::learn`] must follow.
+    #[inline]
+    pub fn drive(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, x: R, direction: R) -> R {
+        let error = reference.x - x;
+        let difference = error - state.last.unwrap_or(error);
+        state.last = Some(error);
+        state.rate += self.alpha * (difference - state.rate);
+        self.drive_ideal(state, reference, Ideal { error, error_rate: state.rate * self.per_tick, direction })
+    }
+
+    /// The drive from given signals. [`Self::learn`] must follow.
+    #[inline]
+    pub fn drive_ideal(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, signals: Ideal<R>) -> R {
+        let Ideal { error: e, error_rate, direction } = signals;
+        let v = reference.v - error_rate;
+        let integral = state.integral + e * self.tick;
+        let s = self.lambda1 * state.integral + self.lambda2 * e + error_rate;
+        let sat = (s * self.per_delta).min(R::ONE).max(-R::ONE);
+        let inside = self.delta * sat;
+        let s_delta = s - inside;
+        let feedback = self.kv * s_delta + self.kv_inside * inside;
+        let u_c = -(self.lambda1 * e + self.lambda2 * error_rate + reference.a + feedback);
+        state.now = Regressors { integral, s_delta, v, u_c, direction };
+        let Estimates { b, c, f1, f } = state.estimates;
+        c * v - b * u_c + f1 * direction + f * sat
+    }
+
+    /// Ends the tick: the integral goes on and the parameters adapt, unless the drive was saturated.
+    #[inline]
+    pub fn learn(&self, state: &mut AdaptiveState<R>, saturated: bool) {
+        if saturated {
+            return;
+        }
+        let Regressors { integral, s_delta, v, u_c, direction } = state.now;
+        state.integral = integral;
+        if s_delta == R::ZERO && self.sigma == R::ZERO {
+            return;
+        }
+        let hat = &mut state.estimates;
+        let k = &self.steps;
+        hat.b = (hat.b - k.b * u_c * s_delta).max(self.b_min);
+        hat.c = (hat.c + k.c * v * s_delta).max(R::ZERO);
+        hat.f1 = (hat.f1 + k.f1 * direction * s_delta).max(R::ZERO);
+        hat.f = (hat.f + k.f * (s_delta.abs() - self.sigma * hat.f)).max(R::ZERO);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+//! The whole controller of a tick: a law (PID or adaptive), the compensator beside it, the drive's limit behind them.
+
+use super::adaptive::{Adaptive, AdaptiveState};
+use super::compensator::Compensator;
+use super::fast::Fast;
+use super::pid::{Pid, PidState};
+use super::trajectory::Setpoint;
+
+/// The feedback law.
+#[derive(Clone, Copy, Debug)]
+pub enum Law<R> {
+    /// The PID of remark 1.
+    Pid(Pid<R>),
+    /// The adaptive law.
+    Adaptive(Adaptive<R>),
+}
+
+/// A controller: configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct Controller<R> {
+    /// The feedback law.
+    pub law: Law<R>,
+    /// The feed-forward compensator; absent and switched off are the same, bit by bit.
+    pub compensator: Option<Compensator<R>>,
+}
+
+/// What a controller remembers, whichever its law.
+#[derive(Clone, Copy, Debug)]
+pub struct ControllerState<R> {
+    /// Of the PID.
+    pub pid: PidState<R>,
+    /// Of the adaptive law.
+    pub adaptive: AdaptiveState<R>,
+}
+
+/// What a tick came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Command<R> {
+    /// The drive, within the limit.
+    pub u: R,
+    /// Whether the limit cut it: the integral and the adaptation were frozen.
+    pub saturated: bool,
+}
+
+impl<R: Fast> ControllerState<R> {
+    /// The state at the start.
+    pub fn start(controller: &Controller<R>) -> Self {
+        let adaptive = match &controller.law {
+            Law::Pid(_) => AdaptiveState::default(),
+            Law::Adaptive(law) => law.start(),
+        };
+        Self { pid: PidState::default(), adaptive }
+    }
+}
+
+impl<R: Fast> Controller<R> {
+    /// A PID alone.
+    pub const fn pid(pid: Pid<R>) -> Self {
+        Self { law: Law::Pid(pid), compensator: None }
+    }
+
+    /// An adaptive law alone.
+    pub const fn adaptive(law: Adaptive<R>) -> Self {
+        Self { law: Law::Adaptive(law), compensator: None }
+    }
+
+    /// With a compensator beside the law.
+    #[must_use]
+    pub const fn with_compensator(self, compensator: Compensator<R>) -> Self {
+        Self { compensator: Some(compensator), ..self }
+    }
+
+    /// One tick: the drive for a reference and the measured position `x`.
+    #[inline]
+    pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> Command<R> {
+        let compensator = self.compensator.as_ref().filter(|compensator| compensator.is_on());
+        let (mut u, limit) = match &self.law {
+            Law::Pid(pid) => {
+                let u = pid.drive(&mut state.pid, reference, x);
+                (compensator.map_or(u, |feed| u + feed.drive(reference)), pid.limit())
+            }
+            Law::Adaptive(law) => {
+                let direction = compensator.map_or_else(|| reference.v.sgn(), |feed| feed.direction(reference.v));
+                let u = law.drive(&mut state.adaptive, reference, x, direction);
+                (compensator.map_or(u, |feed| u + feed.effects_drive(reference)), law.limit())
+            }
+        };
+        if let Some(feed) = compensator {
+            u = feed.inverse(u, reference.v);
+        }
+        // A comparison that is false for NaN: what is no number counts as saturated, and drives nothing.
+        let inside = u.abs() <= limit;
+        let cut = if u > limit {
+            limit
+        } else if u < -limit {
+            -limit
+        } else {
+            R::ZERO
+        };
+        match &self.law {
+            Law::Pid(pid) => pid.learn(&mut state.pid, !inside),
+            Law::Adaptive(law) => law.learn(&mut state.adaptive, !inside),
+        }
+        Command { u: if inside { u } else { cut }, saturated: !inside }
+    }
+}
+
+#[cfg(test)]
+mod tests;

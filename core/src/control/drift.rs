@@ -1,0 +1,360 @@
+//! The watch over the model's validity: the one-step residual of the model, and a two-sided CUSUM on it.
+//!
+//! An observer predicts each position from the last one, the drive and the model; what is left, `ε = x − x̂`, corrects it
+//! with a double pole at e^(−ωo·Ts). A force that the model misses shows as `r = ε·b·l2/Ts²`, drive units, after a few
+//! 1/ωo. Residuals are averaged over blocks of three 1/ωo, which makes neighbours nearly independent, and blocks are
+//! taken only where the axis moves one way and has done so for five 1/ωo. The first blocks of either direction teach
+//! mean and scale (the calibrated stretch); later ones, in units of that scale and cut at ±4, feed per direction of motion
+//!
+//!     g+ = max(0, g+ + z − k)      g− = max(0, g− − z − k)      alarm at g > h
+//!
+//! (Page's cumulative sum, 1954). Because z is cut, no single block raises an alarm.
+
+use super::compensator::{Compensator, CompensatorError};
+use super::fast::Fast;
+use crate::plant::Base;
+use crate::plant::effect::Effect;
+
+/// Bins of position.
+pub const BINS: usize = 16;
+/// Largest |z| that a block may count for.
+const CUT: f64 = 4.0;
+
+/// Settings of the watch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriftSettings {
+    /// ωo, rad/s; several times the motion's own frequencies, well below 1/Ts.
+    pub bandwidth_rad_s: f64,
+    /// Speed below which the axis counts as resting, X/s; > 0.
+    pub rest_speed: f64,
+    /// Blocks of either direction that teach mean and scale; at least 8.
+    pub calibration: u32,
+    /// k: what a block may be off, in units of the scale; > 0.
+    pub slack: f64,
+    /// h: the alarm's level; > 0.
+    pub threshold: f64,
+    /// Smallest scale, drive units: a residual that happened to be still in the calibrated stretch must not make the
+    /// watch nervous.
+    pub smallest_scale: f64,
+}
+
+impl DriftSettings {
+    /// Settings for a model with Coulomb friction `f1` (drive units) followed at ωo: slack 1, alarm at 12 (Gaussian
+    /// blocks: one false alarm in 10¹¹ of them), 64 blocks of calibration, a scale of 2 % of f1 at least.
+    pub const fn usual(bandwidth_rad_s: f64, rest_speed: f64, f1: f64) -> Self {
+        Self { bandwidth_rad_s, rest_speed, calibration: 64, slack: 1.0, threshold: 12.0, smallest_scale: 0.02 * f1 }
+    }
+}
+
+/// Why a watch is refused; names the parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriftError {
+    /// The model.
+    Model(CompensatorError),
+    /// The tick is not finite and positive.
+    Tick,
+    /// ωo is not positive or above 1/(2·Ts).
+    Bandwidth,
+    /// The rest speed is not finite and positive.
+    RestSpeed,
+    /// Fewer than 8 blocks of calibration.
+    Calibration,
+    /// Slack or threshold is not finite and positive.
+    Threshold,
+    /// The smallest scale is not finite and positive.
+    Scale,
+}
+
+/// Which way the missing force acts, against the motion it was found in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// The axis moves harder than the model says.
+    Resists,
+    /// The axis moves more easily.
+    Assists,
+}
+
+/// The model no longer fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelMismatch<R> {
+    /// Which way the missing force acts.
+    pub direction: Direction,
+    /// Sign of the velocity in which it was found, −1 or 1.
+    pub speed_sign: i8,
+    /// Bin of position, 0..[`BINS`] over the calibrated travel, in which it is largest of late.
+    pub bin: usize,
+    /// Middle of that bin, X.
+    pub position: R,
+    /// Mean missing force since it began, drive units; positive pushes the axis in positive direction.
+    pub force: R,
+}
+
+/// Configuration of the watch.
+#[derive(Clone, Copy, Debug)]
+pub struct DriftWatch<R> {
+    model: Compensator<R>,
+    tick: R,
+    half_tick: R,
+    per_b: R,
+    /// Observer gains: on the position, and on the velocity (1/s).
+    l1: R,
+    l2: R,
+    /// From ε to a force.
+    force: R,
+    block: u32,
+    per_block: R,
+    settle: u32,
+    rest_speed: R,
+    calibration: u32,
+    per_calibration: R,
+    slack: R,
+    threshold: R,
+    smallest_scale: R,
+    cut: R,
+    per_bins: R,
+    per_memory: R,
+}
+
+/// What is learnt of one direction of motion.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side<R> {
+    blocks: u32,
+    /// In calibration Σr, Σr²; then mean and 1/scale.
+    mean: R,
+    scale: R,
+    up: Sum<R>,
+    down: Sum<R>,
+    /// Residual of late in each bin of position, in units of the scale.
+    bins: [R; BINS],
+}
+
+/// A cumulative sum, the blocks since it was last 0 and their residuals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum<R> {
+    g: R,
+    blocks: u32,
+    residual: R,
+}
+
+/// What the watch remembers.
+#[derive(Clone, Copy, Debug)]
+pub struct DriftState<R> {
+    started: bool,
+    x: R,
+    v: R,
+    moving: u32,
+    sign: i8,
+    count: u32,
+    sum: R,
+    sides: [Side<R>; 2],
+    /// Range of position over the calibrated stretch.
+    low: R,
+    high: R,
+    /// The residual of the last tick, drive units.
+    residual: R,
+}
+
+impl<R: Fast> Default for DriftState<R> {
+    fn default() -> Self {
+        Self {
+            started: false,
+            x: R::ZERO,
+            v: R::ZERO,
+            moving: 0,
+            sign: 0,
+            count: 0,
+            sum: R::ZERO,
+            sides: [Side::default(); 2],
+            low: R::ZERO,
+            high: R::ZERO,
+            residual: R::ZERO,
+        }
+    }
+}
+
+impl<R: Fast> DriftState<R> {
+    /// The residual of the last tick, drive units.
+    pub const fn residual(&self) -> R {
+        self.residual
+    }
+
+    /// Whether both directions are calibrated.
+    pub fn is_calibrated(&self, watch: &DriftWatch<R>) -> bool {
+        self.sides.iter().all(|side| side.blocks >= watch.calibration)
+    }
+}
+
+impl<R: Fast> DriftWatch<R> {
+    /// A watch over a model, at a tick of `tick_s` s.
+    ///
+    /// # Errors
+    /// [`DriftError`] names the parameter.
+    pub fn new(
+        base: &Base<f64>,
+        effects: &[Effect<f64>],
+        settings: &DriftSettings,
+        tick_s: f64,
+    ) -> Result<Self, DriftError> {
+        let model = Compensator::new(base, effects).map_err(DriftError::Model)?;
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        if !positive(tick_s) {
+            return Err(DriftError::Tick);
+        }
+        let DriftSettings { bandwidth_rad_s, rest_speed, calibration, slack, threshold, smallest_scale } = *settings;
+        if !(positive(bandwidth_rad_s) && bandwidth_rad_s * tick_s <= 0.5) {
+            return Err(DriftError::Bandwidth);
+        }
+        if !positive(rest_speed) {
+            return Err(DriftError::RestSpeed);
+        }
+        if calibration < 8 {
+            return Err(DriftError::Calibration);
+        }
+        if !(positive(slack) && positive(threshold)) {
+            return Err(DriftError::Threshold);
+        }
+        if !positive(smallest_scale) {
+            return Err(DriftError::Scale);
+        }
+        let pole = libm::exp(-bandwidth_rad_s * tick_s);
+        let l2 = (1.0 - pole) * (1.0 - pole);
+        let block = libm::ceil(3.0 / (bandwidth_rad_s * tick_s)).min(1e9);
+        let real = R::from_f64;
+        Ok(Self {
+            model,
+            tick: real(tick_s),
+            half_tick: real(0.5 * tick_s),
+            per_b: real(1.0 / base.b),
+            l1: real(1.0 - pole * pole),
+            l2: real(l2 / tick_s),
+            force: real(base.b * l2 / (tick_s * tick_s)),
+            block: block as u32,
+            per_block: real(1.0 / block),
+            settle: libm::ceil(5.0 / (bandwidth_rad_s * tick_s)).min(1e9) as u32,
+            rest_speed: real(rest_speed),
+            calibration,
+            per_calibration: real(1.0 / f64::from(calibration)),
+            slack: real(slack),
+            threshold: real(threshold),
+            smallest_scale: real(smallest_scale),
+            cut: real(CUT),
+            per_bins: real(1.0 / BINS as f64),
+            per_memory: real(0.25),
+        })
+    }
+
+    /// One tick: `u` is the drive that was applied from the last reading until this one (with drive-path effects: what
+    /// they hand on), `x` the reading. Reports a mismatch once and starts to watch anew.
+    pub fn tick(&self, state: &mut DriftState<R>, u: R, x: R) -> Option<ModelMismatch<R>> {
+        if !state.started {
+            *state = DriftState { started: true, x, low: x, high: x, sides: state.sides, ..DriftState::default() };
+            return None;
+        }
+        let moving = state.v.abs() > self.rest_speed;
+        let sign = if !moving {
+            0
+        } else if state.v > R::ZERO {
+            1
+        } else {
+            -1
+        };
+        // At rest friction only answers the drive: nothing is missing, and the observer follows the readings.
+        let a = if moving { (u - self.model.balance(state.x, state.v)) * self.per_b } else { R::ZERO };
+        let dv = a * self.tick;
+        let predicted = state.x + state.v * self.tick + dv * self.half_tick;
+        let error = x - predicted;
+        state.x = predicted + self.l1 * error;
+        state.v += dv + self.l2 * error;
+        state.residual = self.force * error;
+        if sign == 0 || sign != state.sign {
+            (state.sign, state.moving, state.count, state.sum) = (sign, 0, 0, R::ZERO);
+            return None;
+        }
+        state.moving = state.moving.saturating_add(1);
+        if state.moving < self.settle {
+            return None;
+        }
+        state.sum += state.residual;
+        state.count += 1;
+        if state.count < self.block {
+            return None;
+        }
+        let mean = state.sum * self.per_block;
+        (state.count, state.sum) = (0, R::ZERO);
+        self.block(state, sign, mean, x)
+    }
+
+    /// The end of a block of mean residual `r`.
+    fn block(&self, state: &mut DriftState<R>, sign: i8, r: R, x: R) -> Option<ModelMismatch<R>> {
+        let calibrated = state.is_calibrated(self);
+        let side = &mut state.sides[usize::from(sign > 0)];
+        if side.blocks < self.calibration {
+            side.blocks += 1;
+            side.mean += r;
+            side.scale += r * r;
+            if side.blocks == self.calibration {
+                let mean = side.mean * self.per_calibration;
+                let variance = side.scale * self.per_calibration - mean * mean;
+                side.mean = mean;
+                side.scale = R::ONE / variance.sqrt().max(self.smallest_scale);
+            }
+        }
+        if !calibrated {
+            state.low = state.low.min(x);
+            state.high = state.high.max(x);
+            return None;
+        }
+        let off = r - side.mean;
+        let z = (off * side.scale).min(self.cut).max(-self.cut);
+        let width = (state.high - state.low) * self.per_bins;
+        let mut bin = 0;
+        let mut edge = state.low + width;
+        while bin + 1 < BINS && x > edge {
+            bin += 1;
+            edge += width;
+        }
+        side.bins[bin] += self.per_memory * (z - side.bins[bin]);
+        let up = side.up.add(z - self.slack, off);
+        let down = side.down.add(-z - self.slack, off);
+        if up <= self.threshold && down <= self.threshold {
+            return None;
+        }
+        let pushes = up > self.threshold;
+        let found = if pushes { side.up } else { side.down };
+        let force = found.residual / R::from_i32((found.blocks.min(1 << 20) as i32).max(1));
+        let mut worst = bin;
+        for (i, value) in side.bins.iter().enumerate() {
+            let more = if pushes { *value > side.bins[worst] } else { *value < side.bins[worst] };
+            if more {
+                worst = i;
+            }
+        }
+        let position = state.low + width * R::from_i32(worst as i32) + (width * self.half());
+        for side in &mut state.sides {
+            (side.up, side.down) = (Sum::default(), Sum::default());
+        }
+        let direction = if pushes == (sign > 0) { Direction::Assists } else { Direction::Resists };
+        Some(ModelMismatch { direction, speed_sign: sign, bin: worst, position, force })
+    }
+
+    fn half(&self) -> R {
+        self.per_memory + self.per_memory
+    }
+}
+
+impl<R: Fast> Sum<R> {
+    /// Adds an increment and the residual behind it; the sum.
+    fn add(&mut self, increment: R, residual: R) -> R {
+        self.g = (self.g + increment).max(R::ZERO);
+        if self.g > R::ZERO {
+            self.blocks = self.blocks.saturating_add(1);
+            self.residual += residual;
+        } else {
+            *self = Self::default();
+        }
+        self.g
+    }
+}
+
+#[cfg(test)]
+mod tests;

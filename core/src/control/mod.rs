@@ -1,0 +1,40 @@
+//! What drives the axis along a reference: trajectories, the PID and its tuning, the feed-forward compensator, the
+//! adaptive law, and the watch over the model's validity (identification.md section 5, docs/theory.md section 6).
+//!
+//! Configuration is apart from state: a configuration is built once, in f64, with its checks, and is only read in the
+//! tick; a state is plain data. Everything in the tick is generic over [`Fast`] (f32, f64, Q32), calls no libm for f32,
+//! and divides by nothing that depends on data.
+//!
+//! ```
+//! use breakaway_core::control::{Controller, ControllerState, Pid, Sine, Trajectory, tune};
+//!
+//! // The papers' plant, 10 Hz of bandwidth at a tick of 1 ms with one tick of delay.
+//! let gains = tune(0.02685, 0.11, 10.0, 1e-3, 1)?;
+//! let controller = Controller::pid(Pid::<f32>::new(&gains, 1e-3, 12.0)?);
+//! let mut state = ControllerState::start(&controller);
+//! let reference = Trajectory::Sine(Sine::<f32>::new(1.0, 0.5, 1e-3).unwrap());
+//! let command = controller.tick(&mut state, reference.at(0), 0.0);
+//! assert!(!command.saturated);
+//! # Ok::<(), breakaway_core::control::TuningError>(())
+//! ```
+
+mod adaptive;
+mod compensator;
+mod controller;
+mod drift;
+mod fast;
+mod margins;
+mod pid;
+mod term;
+mod trajectory;
+mod tuning;
+
+pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal};
+pub use compensator::{Compensator, CompensatorError, Feed};
+pub use controller::{Command, Controller, ControllerState, Law};
+pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch};
+pub use fast::Fast;
+pub use margins::{Margins, margins};
+pub use pid::{Pid, PidState};
+pub use trajectory::{Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
+pub use tuning::{Gains, TuningError, largest_bandwidth_hz, largest_rate, tune};

@@ -1,0 +1,101 @@
+//! The PID of the paper's remark 1 as a controller of its own: `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė`.
+
+use super::fast::Fast;
+use super::trajectory::Setpoint;
+use super::tuning::{Gains, TuningError};
+
+/// Configuration of the PID.
+#[derive(Clone, Copy, Debug)]
+pub struct Pid<R> {
+    /// b·Kv·Λ2, drive units per X.
+    proportional: R,
+    /// b·Kv·Λ1·Ts, drive units per (X·tick).
+    integral: R,
+    /// b·Kv/Ts, drive units per (X/tick).
+    derivative: R,
+    /// Share of the new difference in the filtered one.
+    alpha: R,
+    /// Largest |u|, drive units.
+    limit: R,
+    /// Error within which the integral rests while the reference does, X.
+    rest_band: R,
+}
+
+/// What the PID remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PidState<R> {
+    /// Σe, X·ticks.
+    pub integral: R,
+    /// The error at the last tick, X; `None` before the first.
+    last: Option<R>,
+    /// Filtered difference of the error, X/tick.
+    rate: R,
+    /// What the integral becomes unless the drive is saturated.
+    pending: R,
+}
+
+impl<R: Fast> Pid<R> {
+    /// A PID with a tick of `tick_s` s and a drive of at most ±`limit`; its limits are those of one tick of delay.
+    ///
+    /// # Errors
+    /// [`TuningError`], with the largest allowed rate.
+    pub fn new(gains: &Gains, tick_s: f64, limit: f64) -> Result<Self, TuningError> {
+        Self::with_delay(gains, tick_s, 1, limit)
+    }
+
+    /// The same for `delay_ticks` ticks from reading to drive.
+    ///
+    /// # Errors
+    /// [`TuningError`], with the largest allowed rate.
+    pub fn with_delay(gains: &Gains, tick_s: f64, delay_ticks: u32, limit: f64) -> Result<Self, TuningError> {
+        gains.check(tick_s, delay_ticks)?;
+        if limit.is_nan() || limit <= 0.0 {
+            return Err(TuningError::Limit);
+        }
+        let k = gains.b * gains.kv;
+        Ok(Self {
+            proportional: R::from_f64(k * gains.lambda2),
+            integral: R::from_f64(k * gains.lambda1 * tick_s),
+            derivative: R::from_f64(k / tick_s),
+            alpha: R::from_f64(tick_s / (gains.filter_s + tick_s)),
+            limit: R::from_f64(limit),
+            rest_band: R::ZERO,
+        })
+    }
+
+    /// The integral rests while the reference does and |e| ≤ `band` (X, ≥ 0; usually one encoder step): what is
+    /// within a step is not known, and an integral that goes on would break the axis away again and again where
+    /// friction at rest is above that in motion.
+    #[must_use]
+    pub fn with_rest_band(self, band: f64) -> Self {
+        Self { rest_band: R::from_f64(band).max(R::ZERO), ..self }
+    }
+
+    /// The largest |u|.
+    pub const fn limit(&self) -> R {
+        self.limit
+    }
+
+    /// The drive for position `x`; [`Self::learn`] must follow, once it is known whether the drive saturated.
+    #[inline]
+    pub fn drive(&self, state: &mut PidState<R>, reference: Setpoint<R>, x: R) -> R {
+        let e = reference.x - x;
+        let difference = e - state.last.unwrap_or(e);
+        state.last = Some(e);
+        state.rate += self.alpha * (difference - state.rate);
+        let resting = reference.v == R::ZERO && reference.a == R::ZERO && e.abs() <= self.rest_band;
+        state.pending = if resting { state.integral } else { state.integral + e };
+        self.integral * state.pending + self.proportional * e + self.derivative * state.rate
+    }
+
+    /// Ends the tick: the integral is frozen while the drive is saturated.
+    #[inline]
+    pub fn learn(&self, state: &mut PidState<R>, saturated: bool) {
+        if !saturated {
+            state.integral = state.pending;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

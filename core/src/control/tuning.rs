@@ -1,0 +1,137 @@
+//! The PID of the paper's remark 1, tuned from the identified (b, c) and a bandwidth.
+//!
+//! `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė` (identification.md section 5; b is what (paper 24) puts before u_c). With the
+//! plant the open loop is `L(s) = Kv·(s² + Λ2·s + Λ1)/(s²·(s + c/b))`. Λ1 and Λ2 put one zero at ωc/4 and the other on the
+//! plant's pole c/b, but within ωc/4..4ωc (a double zero at ωc/4 for little damping; a loop of nearly PI form for much),
+//! and Kv makes |L| = 1 at ωc: in continuous time the phase margin is then at least 62° for any c.
+
+use super::margins::margins;
+
+/// Gains of the PID and of the adaptive law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// b the gains are for, drive units per (X/s²).
+    pub b: f64,
+    /// Kv, 1/s.
+    pub kv: f64,
+    /// Λ1, 1/s².
+    pub lambda1: f64,
+    /// Λ2, 1/s.
+    pub lambda2: f64,
+    /// Time constant of the filter on ė, s; 0 for none.
+    pub filter_s: f64,
+}
+
+/// Why gains are refused; with the largest that would do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TuningError {
+    /// b is not finite and positive.
+    B,
+    /// c is not finite and non-negative.
+    C,
+    /// The tick is not finite and positive.
+    Tick,
+    /// The drive limit is not positive.
+    Limit,
+    /// Kv, Λ1, Λ2 or the filter's time is not finite and non-negative, or Kv or Λ2 is 0.
+    Gain,
+    /// The bandwidth is not finite and positive, or past what the sampled loop allows.
+    Bandwidth {
+        /// The largest bandwidth that is allowed, Hz.
+        largest_hz: f64,
+    },
+    /// Kv + Λ2 is past [`largest_rate`].
+    Rate {
+        /// The largest Kv + Λ2 that is allowed, 1/s.
+        largest_per_s: f64,
+    },
+}
+
+/// The largest Kv + Λ2, 1/s: `(Kv + Λ2)·Ts ≤ 0.8/(1 + d)` for `d` ticks of delay, 0.4 for the usual one
+/// (identification.md section 5). It leaves half the way to instability: an integrating loop with the hold's and the
+/// difference's half ticks becomes unstable at (π/2)/(1 + d).
+pub fn largest_rate(tick_s: f64, delay_ticks: u32) -> f64 {
+    0.8 / ((1.0 + f64::from(delay_ticks)) * tick_s)
+}
+
+impl Gains {
+    /// Checks the ranges, and the limits of the sampled loop at `delay_ticks` ticks from reading to drive.
+    ///
+    /// # Errors
+    /// [`TuningError`] names what is out of range, with the largest allowed rate.
+    pub fn check(&self, tick_s: f64, delay_ticks: u32) -> Result<(), TuningError> {
+        if !(tick_s.is_finite() && tick_s > 0.0) {
+            return Err(TuningError::Tick);
+        }
+        if !(self.b.is_finite() && self.b > 0.0) {
+            return Err(TuningError::B);
+        }
+        let ranges = [self.kv, self.lambda2, self.lambda1, self.filter_s];
+        if ranges.iter().any(|g| !g.is_finite() || *g < 0.0) || self.kv == 0.0 || self.lambda2 == 0.0 {
+            return Err(TuningError::Gain);
+        }
+        let largest_per_s = largest_rate(tick_s, delay_ticks);
+        // A last bit above is no offence: the largest allowed rate itself must pass.
+        if self.kv + self.lambda2 > largest_per_s * (1.0 + 1e-9) {
+            return Err(TuningError::Rate { largest_per_s });
+        }
+        Ok(())
+    }
+}
+
+/// Gains at a crossover of `w` rad/s.
+fn gains_at(b: f64, c: f64, w: f64) -> Gains {
+    let pole = c / b;
+    let (zero, other) = (0.25 * w, pole.clamp(0.25 * w, 4.0 * w));
+    let kv = w * w * libm::hypot(w, pole) / (libm::hypot(w, zero) * libm::hypot(w, other));
+    // An eighth of the crossover's period over 2π: 7° of phase for a quarter of the encoder's noise at high rates.
+    Gains { b, kv, lambda1: zero * other, lambda2: zero + other, filter_s: 0.125 / w }
+}
+
+/// The largest bandwidth that [`tune`] accepts, Hz; 0 for a plant or tick that is none.
+pub fn largest_bandwidth_hz(b: f64, c: f64, tick_s: f64, delay_ticks: u32) -> f64 {
+    let allowed = |w: f64| acceptable(&gains_at(b, c, w), b, c, tick_s, delay_ticks);
+    let mut low = 0.0;
+    let mut high = largest_rate(tick_s, delay_ticks);
+    if !(high.is_finite() && b > 0.0 && c >= 0.0 && b.is_finite() && c.is_finite()) {
+        return 0.0;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if allowed(middle) { low = middle } else { high = middle }
+    }
+    low / core::f64::consts::TAU
+}
+
+/// Within the rate's limit, and with 30° of phase and a factor of two of gain in hand.
+fn acceptable(gains: &Gains, b: f64, c: f64, tick_s: f64, delay_ticks: u32) -> bool {
+    gains.check(tick_s, delay_ticks).is_ok()
+        && margins(gains, b, c, tick_s, delay_ticks).is_some_and(|m| m.phase_deg >= 30.0 && m.gain >= 2.0)
+}
+
+/// PID gains for the plant (b, c) at an open-loop crossover of `bandwidth_hz`, sampled every `tick_s` seconds, with
+/// `delay_ticks` ticks from reading a position to applying the drive computed from it.
+///
+/// # Errors
+/// [`TuningError`]; a bandwidth past the sampled loop's limit ([`largest_rate`], 30° of phase and a factor of two of
+/// gain in hand) is refused with the largest that is not.
+pub fn tune(b: f64, c: f64, bandwidth_hz: f64, tick_s: f64, delay_ticks: u32) -> Result<Gains, TuningError> {
+    if !(b.is_finite() && b > 0.0) {
+        return Err(TuningError::B);
+    }
+    if !(c.is_finite() && c >= 0.0) {
+        return Err(TuningError::C);
+    }
+    if !(tick_s.is_finite() && tick_s > 0.0) {
+        return Err(TuningError::Tick);
+    }
+    let refused = || TuningError::Bandwidth { largest_hz: largest_bandwidth_hz(b, c, tick_s, delay_ticks) };
+    if !(bandwidth_hz.is_finite() && bandwidth_hz > 0.0) {
+        return Err(refused());
+    }
+    let gains = gains_at(b, c, core::f64::consts::TAU * bandwidth_hz);
+    if acceptable(&gains, b, c, tick_s, delay_ticks) { Ok(gains) } else { Err(refused()) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+use super::*;
+use crate::control::margins;
+use proptest::prelude::*;
+extern crate std;
+
+/// The gains put the crossover where it was asked for, with the phase of the continuous loop less that of the delays.
+#[test]
+fn crossover_and_phase_are_those_of_the_design() {
+    for (b, c) in [(0.02685, 0.11), (0.02685, 0.0), (1e-3, 0.5)] {
+        for d in [0, 1, 2] {
+            let gains = tune(b, c, 5.0, 1e-3, d).unwrap();
+            let found = margins(&gains, b, c, 1e-3, d).unwrap();
+            let w = core::f64::consts::TAU * 5.0;
+            std::println!("{b} {c} {d}: {found:?}");
+            // The filter is on ė alone, which turns it against the rest: |L| at ωc changes by 5 %.
+            assert!((found.crossover_rad_s / w - 1.0).abs() < 0.07, "{found:?}");
+            // Continuous: 2·atan 4 − 90° with c = 0, more with it; the filter takes 7°, half a tick of hold, half of
+            // difference and the delay ωc·(1 + d)·Ts.
+            let lost = 7.2 + (w * (1.0 + f64::from(d)) * 1e-3).to_degrees();
+            assert!(found.phase_deg > 61.9 - lost - 1.0 && found.gain > 2.0, "{found:?} {lost}");
+            assert!((found.delay_s - found.phase_deg.to_radians() / found.crossover_rad_s).abs() < 1e-9);
+        }
+    }
+}
+
+/// Refusals name the largest allowed value, and that value is allowed.
+#[test]
+fn refusals_carry_what_would_do() {
+    for d in [0, 1, 2, 5] {
+        let Err(TuningError::Bandwidth { largest_hz }) = tune(0.02685, 0.11, 400.0, 1e-3, d) else { panic!("{d}") };
+        std::println!("delay {d}: largest bandwidth {largest_hz:.1} Hz");
+        assert!(tune(0.02685, 0.11, largest_hz, 1e-3, d).is_ok());
+        assert!(tune(0.02685, 0.11, 1.01 * largest_hz, 1e-3, d).is_err());
+    }
+    // The limit of identification.md section 5 at one tick of delay: 400 1/s at 1 ms.
+    assert_eq!(largest_rate(1e-3, 1), 400.0);
+    let gains = Gains { b: 1.0, kv: 300.0, lambda1: 100.0, lambda2: 101.0, filter_s: 0.0 };
+    let Err(TuningError::Rate { largest_per_s }) = gains.check(1e-3, 1) else { panic!() };
+    assert_eq!(largest_per_s, 400.0);
+    assert!(Gains { lambda2: 100.0, ..gains }.check(1e-3, 1).is_ok());
+}
+
+#[test]
+fn wrong_parameters_are_named() {
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        assert_eq!(tune(bad, 0.1, 5.0, 1e-3, 1), Err(TuningError::B));
+        assert_eq!(tune(0.1, bad, 5.0, 1e-3, 1), Err(TuningError::C));
+        assert_eq!(tune(0.1, 0.1, 5.0, bad, 1), Err(TuningError::Tick));
+        assert!(matches!(tune(0.1, 0.1, bad, 1e-3, 1), Err(TuningError::Bandwidth { .. })));
+    }
+}
+
+proptest! {
+    /// Whatever is accepted has 30° and a factor of two in hand, by independent means: the sampled loop, simulated with
+    /// twice the gain, decays from a unit error.
+    #[test]
+    fn accepted_gains_are_stable_with_twice_the_gain(b in 1e-4..10.0_f64, ratio in 0.0..200.0_f64, hz in 0.1..80.0_f64, d in 0..4_u32) {
+        let c = b * ratio;
+        let Ok(gains) = tune(b, c, hz, 1e-3, d) else { return Ok(()) };
+        let found = margins(&gains, b, c, 1e-3, d).unwrap();
+        prop_assert!(found.gain_reduction < 0.6, "{:?}", found);
+        for factor in [1.0, 1.98] {
+            let (mut x, mut v, mut integral, mut last, mut rate) = (1.0, 0.0, 0.0, -1.0, 0.0);
+            let mut queue = [0.0; 4];
+            let (k, ts) = (b * gains.kv * factor, 1e-3);
+            let alpha = ts / (gains.filter_s + ts);
+            let decay = libm::exp(-ratio * ts);
+            let (phi1, phi2) = if ratio > 0.0 {
+                let phi1 = (1.0 - decay) / (ratio * ts);
+                (phi1, (1.0 - phi1) / (ratio * ts))
+            } else {
+                (1.0, 0.5)
+            };
+            let ticks = (400.0 / (hz * ts)) as usize;
+            let mut tail = 0.0_f64;
+            for i in 0..ticks {
+                let e: f64 = -x;
+                rate += alpha * ((e - last) - rate);
+                last = e;
+                integral += e;
+                let u = k * (gains.lambda2 * e + gains.lambda1 * ts * integral + rate / ts);
+                queue.rotate_right(1);
+                queue[0] = u;
+                let u = queue[d as usize];
+                x += ts * phi1 * v + ts * ts * phi2 * u / b;
+                v = decay * v + ts * phi1 * u / b;
+                if i > ticks * 9 / 10 {
+                    tail = tail.max(x.abs());
+                }
+            }
+            prop_assert!(tail < 0.05, "{} {} {:?} {:?}", factor, tail, gains, found);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Why a command was not carried out.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Field, Mode, SettingsError};
+
+/// Why a command was not carried out. New reasons are added at the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CommandError {
+    /// The frame was whole, the command was not one this device knows.
+    Malformed,
+    /// A field is out of range.
+    Range(Field),
+    /// A setting is out of range; none was changed.
+    Settings(SettingsError),
+    /// Not while this mode is active: stop first.
+    Busy(Mode),
+    /// A fault is latched: read it, remove its cause, clear it.
+    Faulted,
+    /// There is nothing to identify: run a relay experiment first.
+    NothingRecorded,
+    /// The storage could not be written; what was saved before is still there.
+    Storage,
+    /// This board or build cannot do it.
+    Unsupported,
+    /// The cause of the fault is still there (break input, missing supply, encoder).
+    FaultPersists,
+    /// The start position is outside the travel limits.
+    OutsideTravel,
+}
+
+/// A frame that is no valid request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rejected {
+    /// The id to answer under, where it could be read.
+    pub id: Option<u16>,
+    /// The answer.
+    pub error: CommandError,
+}

@@ -1,0 +1,132 @@
+//! What tick and thread tell each other: single-producer queues and a flag, no locks.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use breakaway_core::estimate::sine::StreamingSine;
+use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultRecord, Sample, WaveformPart};
+use heapless::spsc::{Consumer, Producer, Queue};
+
+use super::accumulate::{Accumulation, Sums};
+use super::guard::Guards;
+use super::run::RunOrder;
+
+/// Samples that wait for the thread; one less fits. 25 ms at 10 kHz.
+pub const SAMPLE_QUEUE: usize = 256;
+/// Orders that wait for the tick, which takes one per tick.
+const ORDER_QUEUE: usize = 4;
+/// Events that wait for the thread. The tick holds back what finds no room.
+const EVENT_QUEUE: usize = 4;
+
+/// What the thread asks of the tick.
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // All of them live in one queue; boxes do not exist here.
+pub enum Order<'a, P> {
+    /// Start a run. Answered.
+    Run(RunOrder<P>, Bounds),
+    /// End the run by command. Answered.
+    Stop,
+    /// Unlatch the fault. Answered.
+    ClearFault,
+    /// New guards, from new settings. Answered.
+    Guards(Guards),
+    /// Points of the waveform table. Answered.
+    Waveform(WaveformPart),
+    /// End the run for this reason, which the thread has found in the samples.
+    End(Ending),
+    /// Latch a fault that the thread has found.
+    Fault(FaultRecord),
+    /// Sum the run's samples from the next tick on, until [`Order::Collect`] or the end of the run.
+    Accumulate(StreamingSine, &'a mut Sums),
+    /// Give the sums back.
+    Collect,
+}
+
+/// What the tick tells the thread.
+#[derive(Debug)]
+pub enum TickEvent<'a> {
+    /// Done, or why not.
+    Answer(Result<(), CommandError>),
+    /// A fault is latched; the drive is off.
+    Fault(FaultRecord),
+    /// A run has ended; the drive is off.
+    Ended(Ended),
+    /// Late ticks since the reset.
+    Overruns(u32),
+    /// The sums, given back.
+    Sums(Accumulation<'a>),
+}
+
+/// The queues between tick and thread.
+pub struct Channels<'a, P> {
+    orders: Queue<Order<'a, P>, ORDER_QUEUE>,
+    events: Queue<TickEvent<'a>, EVENT_QUEUE>,
+    samples: Queue<Sample, SAMPLE_QUEUE>,
+    alive: AtomicBool,
+}
+
+/// The tick's end.
+pub struct TickEnd<'q, 'a, P> {
+    pub(super) orders: Consumer<'q, Order<'a, P>>,
+    pub(super) events: Producer<'q, TickEvent<'a>>,
+    pub(super) samples: Producer<'q, Sample>,
+    alive: &'q AtomicBool,
+}
+
+/// The thread's end.
+pub struct AppEnd<'q, 'a, P> {
+    /// Orders to the tick.
+    pub orders: Producer<'q, Order<'a, P>>,
+    /// Events from the tick.
+    pub events: Consumer<'q, TickEvent<'a>>,
+    /// Samples from the tick.
+    pub samples: Consumer<'q, Sample>,
+    alive: &'q AtomicBool,
+}
+
+impl<P> Channels<'_, P> {
+    /// Empty queues.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { orders: Queue::new(), events: Queue::new(), samples: Queue::new(), alive: AtomicBool::new(false) }
+    }
+}
+
+impl<'a, P> Channels<'a, P> {
+    /// Both ends.
+    pub fn split(&mut self) -> (TickEnd<'_, 'a, P>, AppEnd<'_, 'a, P>) {
+        let (to_tick, orders) = self.orders.split();
+        let (events, from_tick) = self.events.split();
+        let (samples, recorded) = self.samples.split();
+        let alive = &self.alive;
+        (
+            TickEnd { orders, events, samples, alive },
+            AppEnd { orders: to_tick, events: from_tick, samples: recorded, alive },
+        )
+    }
+}
+
+impl<P> Default for Channels<'_, P> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<P> TickEnd<'_, '_, P> {
+    /// Whether a valid command has arrived since the last call.
+    ///
+    /// Load and store, no exchange (Cortex-M0 has none): the tick interrupts the thread, never the other way round.
+    pub(super) fn alive(&self) -> bool {
+        let alive = self.alive.load(Ordering::Acquire);
+        if alive {
+            self.alive.store(false, Ordering::Release);
+        }
+        alive
+    }
+}
+
+impl<P> AppEnd<'_, '_, P> {
+    /// Tells the tick that a valid command has arrived.
+    pub fn alive(&self) {
+        self.alive.store(true, Ordering::Release);
+    }
+}

@@ -1,0 +1,51 @@
+//! Closed-loop modes as the tick sees them: a controller that turns a count into a drive.
+//!
+//! The tick is generic over it, so that a core without an FPU can be built with [`NoController`] and hold no
+//! floating-point code at all.
+
+/// What a controller is given, once per tick.
+#[derive(Clone, Copy, Debug)]
+pub struct ControlInput {
+    /// Counts from where the run started.
+    pub distance: i32,
+    /// Drive applied since the last tick, drive codes.
+    pub applied: i16,
+    /// The last command was cut by a limit: integrators must wait.
+    pub limited: bool,
+}
+
+/// A controller with its trajectory.
+pub trait Controller {
+    /// What a run under control needs to know: checked by the thread before it is ordered.
+    type Plan: Clone;
+
+    /// Starts a run at distance 0.
+    fn start(&mut self, plan: &Self::Plan);
+
+    /// One tick: the drive in drive codes and the reference in counts from the start; `None` if a number is no longer
+    /// finite.
+    fn tick(&mut self, input: ControlInput) -> Option<(i32, i32)>;
+
+    /// The trajectory is at its end and the run with it.
+    fn finished(&self) -> bool;
+}
+
+/// No controller: [`Controller::Plan`] has no value, so no such run can be ordered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoController;
+
+impl Controller for NoController {
+    type Plan = core::convert::Infallible;
+
+    fn start(&mut self, plan: &Self::Plan) {
+        match *plan {}
+    }
+
+    fn tick(&mut self, _: ControlInput) -> Option<(i32, i32)> {
+        None
+    }
+
+    fn finished(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,7 @@
+//! Guards: what ends a run or latches a fault before the mode is asked for a drive. Integers only.
+
+mod settings;
+mod watch;
+
+pub use settings::Guards;
+pub(super) use watch::{Observation, Verdict, Watch};

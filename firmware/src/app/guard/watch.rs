@@ -1,0 +1,162 @@
+//! What the guards see and remember during a run.
+
+use breakaway_core::link::{Ending, FaultCause, Limit};
+
+use super::settings::Guards;
+use crate::app::run::RunLimits;
+use crate::board::travel;
+
+/// What the guards are shown, once per tick.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::app) struct Observation {
+    /// Position now, counts.
+    pub count: i32,
+    /// Counts moved since the last tick.
+    pub moved: i32,
+    /// Drive applied since the last tick, drive codes.
+    pub drive: i16,
+    /// A valid command has arrived since the last tick.
+    pub alive: bool,
+}
+
+/// What the guards say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::app) enum Verdict {
+    /// Go on.
+    Fine,
+    /// End the run.
+    End(Ending),
+    /// Latch a fault: cause, value, limit.
+    Fault(FaultCause, i32, i32),
+}
+
+/// What is remembered from the start of a run.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::app) struct Watch {
+    start: i32,
+    limits: RunLimits,
+    frozen_drive: i32,
+    /// Whether an axis that never moves ends the run (a relay below break-away) rather than be a fault.
+    may_stick: bool,
+    /// Leaky average of the counts in 16 ticks, times 16.
+    speed: i32,
+    /// Leaky average of |drive|, times 2^shift.
+    mean_drive: u64,
+    still_ticks: u32,
+    silent_ticks: u32,
+    /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
+    first_drive: Option<i32>,
+    /// Counts in the tick before the first drive.
+    coasting: i32,
+    /// The axis has moved since the start of the run.
+    moved: bool,
+}
+
+/// Ticks of the speed's average, as a power of two: with it, 16 times the mean counts per tick.
+const SPEED_SHIFT: u32 = 4;
+
+impl Watch {
+    /// From `start`, within `limits`; `peak` is the drive of a relay that nothing answers.
+    pub(in crate::app) fn new(guards: &Guards, limits: RunLimits, start: i32, peak: Option<i32>) -> Self {
+        let frozen_drive = i32::from(guards.frozen_drive_code);
+        // Cut by the limit it must still be seen.
+        let held = peak.map_or(i32::MAX, |peak| (peak.min(i32::from(limits.drive_code)) * 3 / 4).max(1));
+        Self {
+            start,
+            limits,
+            frozen_drive: frozen_drive.min(held),
+            may_stick: held < frozen_drive,
+            speed: 0,
+            mean_drive: 0,
+            still_ticks: 0,
+            silent_ticks: 0,
+            first_drive: Some(0),
+            coasting: 0,
+            moved: false,
+        }
+    }
+
+    pub(in crate::app) fn limits(&self) -> RunLimits {
+        self.limits
+    }
+
+    /// One tick. Faults come before limits: a run that ends for a limit must not hide what is broken.
+    #[inline]
+    pub(in crate::app) fn look(&mut self, guards: &Guards, seen: Observation) -> Verdict {
+        let distance = travel(self.start, seen.count);
+        if seen.moved == 0 && i32::from(seen.drive).abs() >= self.frozen_drive {
+            self.still_ticks = self.still_ticks.saturating_add(1);
+            if self.still_ticks >= guards.frozen_ticks {
+                return self.frozen(guards);
+            }
+        } else {
+            self.still_ticks = 0;
+        }
+        self.moved |= distance.unsigned_abs() >= 2;
+        if self.against(guards, seen, distance) {
+            return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
+        }
+        self.silent_ticks = if seen.alive { 0 } else { self.silent_ticks.saturating_add(1) };
+        if self.silent_ticks >= guards.silent_ticks {
+            let limit = guards.ms(guards.silent_ticks);
+            return Verdict::Fault(FaultCause::LinkLost, guards.ms(self.silent_ticks), limit);
+        }
+        self.limit(guards, seen, distance)
+    }
+
+    fn limit(&mut self, guards: &Guards, seen: Observation, distance: i32) -> Verdict {
+        let end = |limit, value| Verdict::End(Ending::Limit { limit, value });
+        if distance.unsigned_abs() > self.limits.travel_counts {
+            return end(Limit::Bound, distance);
+        }
+        if seen.count < guards.travel_min || seen.count > guards.travel_max {
+            return end(Limit::Travel, seen.count);
+        }
+        let speed = self.speed >> SPEED_SHIFT;
+        // One tick's counts are bounded by the jump guard only: saturate, do not wrap.
+        self.speed = self.speed.saturating_add(seen.moved.saturating_mul(1 << SPEED_SHIFT).saturating_sub(speed));
+        let speed = self.speed >> SPEED_SHIFT;
+        if speed.unsigned_abs() > guards.counts_in_16_ticks {
+            return end(Limit::Speed, guards.counts_per_s(speed));
+        }
+        let drive = u64::from(seen.drive.unsigned_abs());
+        let mean = self.mean_drive >> guards.mean_shift;
+        self.mean_drive = self.mean_drive - mean + drive;
+        if mean > u64::from(guards.mean_drive_code.unsigned_abs()) {
+            return end(Limit::MeanDrive, mean as i32);
+        }
+        Verdict::Fine
+    }
+
+    /// An axis that never moved may simply be stuck below break-away; one that did, or one under a drive at which it
+    /// must move, has lost its encoder.
+    #[cold]
+    fn frozen(&self, guards: &Guards) -> Verdict {
+        if self.may_stick && !self.moved {
+            return Verdict::End(Ending::NoLimitCycle);
+        }
+        let ticks = |ticks| i32::try_from(ticks).unwrap_or(i32::MAX);
+        Verdict::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
+    }
+
+    /// Whether the axis has gained speed against the drive, which has kept its sign since the start of the run. One that
+    /// was still coasting when the run started moves against it too, but loses speed.
+    fn against(&mut self, guards: &Guards, seen: Observation, distance: i32) -> bool {
+        let drive = i32::from(seen.drive);
+        let Some(first) = self.first_drive else {
+            return false;
+        };
+        if first == 0 {
+            self.coasting = seen.moved;
+            self.first_drive = Some(drive.signum());
+            return false;
+        }
+        if drive.signum() == -first {
+            self.first_drive = None;
+        }
+        let coasting = self.coasting.saturating_mul(-first).max(0);
+        let gained =
+            (self.speed >> SPEED_SHIFT).saturating_mul(-first) >= coasting.saturating_add(1).saturating_mul(16);
+        gained && distance.saturating_mul(-first) >= guards.direction_counts
+    }
+}

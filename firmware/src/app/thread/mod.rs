@@ -1,0 +1,278 @@
+//! The thread: link, identification, settings. Called over and over from the main loop, below the tick's interrupt.
+
+mod command;
+mod identification;
+mod outbox;
+mod plan;
+mod stream;
+
+pub use identification::{Experiment, Identification};
+pub use plan::Planner;
+
+use breakaway_core::link::{
+    CommandError, Decoder, Ended, Ending, Event, FaultCause, FaultRecord, Mode, Model, Reply, Request, Sample, Settings,
+};
+
+use super::accumulate::Sums;
+use super::channels::{AppEnd, Order, TickEvent};
+use super::guard::Guards;
+use crate::board::Wire;
+use crate::storage::{Loaded, Store};
+use outbox::Outbox;
+use stream::Stream;
+
+/// Who this is; for [`breakaway_core::link::Info`].
+#[derive(Clone, Copy, Debug)]
+pub struct Identity {
+    /// Name of the board, at most 24 bytes.
+    pub board: &'static str,
+    /// Build hash, at most 24 bytes.
+    pub build: &'static str,
+    /// Control ticks per second, ≥ 1.
+    pub tick_hz: u32,
+}
+
+/// What the main loop should do after a poll.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Poll again, after sleeping until there is something to do.
+    Nothing,
+    /// Reset the board now: it was commanded, and the reply is out.
+    Reboot,
+}
+
+/// A command that waits for the tick's answer.
+#[derive(Debug)]
+struct Waiting {
+    id: u16,
+    then: Then,
+}
+
+/// What a good answer means.
+#[derive(Debug)]
+enum Then {
+    Nothing,
+    Cleared,
+    Settings(Settings),
+    Relay(Experiment),
+}
+
+/// Bytes taken from the wire per poll: bounds the time of one.
+const READ_BYTES: usize = 64;
+
+/// The application beside the tick.
+pub struct App<'q, 'a, P: Planner, W, S> {
+    channels: AppEnd<'q, 'a, P::Plan>,
+    planner: P,
+    wire: W,
+    store: S,
+    identity: Identity,
+    settings: Settings,
+    model: Option<Model>,
+    saved: bool,
+    decoder: Decoder,
+    outbox: Outbox,
+    stream: Stream,
+    identification: Identification,
+    sums: Option<&'a mut Sums>,
+    waiting: Option<Waiting>,
+    unread: heapless::Deque<u8, READ_BYTES>,
+    last: Sample,
+    fault: Option<FaultRecord>,
+    overruns: u32,
+    reboot: bool,
+}
+
+impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
+    /// Settings and model as `loaded` from the store (see [`guards`] for the tick's start); `sums` is lent to the tick
+    /// during relay experiments.
+    pub fn new(
+        channels: AppEnd<'q, 'a, P::Plan>,
+        planner: P,
+        wire: W,
+        store: S,
+        identity: Identity,
+        loaded: Loaded,
+        sums: &'a mut Sums,
+    ) -> Self {
+        let mut app = Self {
+            channels,
+            planner,
+            wire,
+            store,
+            identity,
+            settings: loaded.settings,
+            model: loaded.model,
+            saved: true,
+            decoder: Decoder::new(),
+            outbox: Outbox::new(),
+            stream: Stream::new(),
+            identification: Identification::new(),
+            sums: Some(sums),
+            waiting: None,
+            unread: heapless::Deque::new(),
+            last: Sample::default(),
+            fault: None,
+            overruns: 0,
+            reboot: false,
+        };
+        app.outbox.event(Event::Started);
+        if let Some((cause, found)) = loaded.lost {
+            app.lost(cause, found);
+        }
+        app
+    }
+
+    /// One round. Bounded: some bytes, the samples that are waiting, at most one command.
+    pub fn poll(&mut self) -> Wish {
+        self.take_samples();
+        self.take_events();
+        if self.waiting.is_none() && self.outbox.can_reply() {
+            self.receive();
+        }
+        self.send();
+        if self.reboot && self.outbox.is_empty() { Wish::Reboot } else { Wish::Nothing }
+    }
+
+    /// Settings or model in flash could not be used.
+    fn lost(&mut self, cause: FaultCause, found: i32) {
+        let record = FaultRecord {
+            cause,
+            mode: Mode::Idle,
+            tick: 0,
+            count: 0,
+            drive_code: 0,
+            value: found,
+            limit: i32::from(crate::storage::VERSION),
+        };
+        // The queue is empty at start-up.
+        let _ = self.channels.orders.enqueue(Order::Fault(record));
+    }
+
+    fn take_samples(&mut self) {
+        // Samples that do not fit the wire now wait in their queue, as long as there is room for new ones.
+        while self.stream.ready() || self.channels.samples.len() > self.channels.samples.capacity() / 2 {
+            let Some(sample) = self.channels.samples.dequeue() else {
+                break;
+            };
+            self.last = sample;
+            self.stream.push(sample);
+            if let Some(order) = self.identification.push(&sample, &self.settings, self.identity.tick_hz) {
+                self.carry_on(order);
+            }
+        }
+    }
+
+    /// What the identification wants of the tick.
+    fn carry_on(&mut self, want: identification::Want) {
+        match want {
+            identification::Want::Sums(config) => {
+                if let Some(sums) = self.sums.take() {
+                    *sums = Sums::new();
+                    if let Err(Order::Accumulate(_, sums)) =
+                        self.channels.orders.enqueue(Order::Accumulate(config, sums))
+                    {
+                        self.sums = Some(sums);
+                    }
+                }
+            }
+            // A full queue means that the tick stands still; then there is nothing to end.
+            identification::Want::End(ending) => {
+                let _ = self.channels.orders.enqueue(Order::End(ending));
+            }
+        }
+    }
+
+    fn take_events(&mut self) {
+        while let Some(event) = self.channels.events.peek() {
+            // What a run recorded comes before its end.
+            if let TickEvent::Ended(ended) = event {
+                let missing = ended.tick.wrapping_sub(self.last.tick).cast_signed();
+                if missing > 0 && !self.channels.samples.is_empty() {
+                    return;
+                }
+            }
+            let Some(event) = self.channels.events.dequeue() else {
+                return;
+            };
+            match event {
+                TickEvent::Answer(answer) => self.answered(answer),
+                TickEvent::Fault(record) => {
+                    self.fault = Some(record);
+                    self.outbox.event(Event::FaultRaised(record));
+                }
+                TickEvent::Ended(ended) => self.ended(ended),
+                TickEvent::Overruns(overruns) => self.overruns = overruns,
+                TickEvent::Sums(done) => {
+                    self.identification.summed(&done);
+                    self.sums = Some(done.sums);
+                }
+            }
+        }
+    }
+
+    fn ended(&mut self, ended: Ended) {
+        if ended.mode == Mode::Relay {
+            self.identification.ended(matches!(ended.ending, Ending::Fault(_)));
+        }
+        self.outbox.event(Event::ExperimentEnded(ended));
+    }
+
+    fn answered(&mut self, answer: Result<(), CommandError>) {
+        let Some(Waiting { id, then }) = self.waiting.take() else {
+            return;
+        };
+        if let Err(error) = answer {
+            self.outbox.reply(id, Reply::Error(error));
+            return;
+        }
+        match then {
+            Then::Nothing => {}
+            Then::Cleared => self.fault = None,
+            Then::Settings(settings) => {
+                self.saved &= settings == self.settings;
+                self.settings = settings;
+            }
+            Then::Relay(experiment) => self.identification.start(experiment),
+        }
+        self.outbox.reply(id, Reply::Done);
+    }
+
+    fn receive(&mut self) {
+        let mut bytes = [0; READ_BYTES];
+        if self.unread.is_empty() {
+            let read = self.wire.read(&mut bytes).min(bytes.len());
+            // Empty, and as long as the buffer.
+            self.unread.extend(bytes.iter().take(read).copied());
+        }
+        while let Some(byte) = self.unread.pop_front() {
+            let request = match self.decoder.push(byte) {
+                Some(Ok(message)) => Request::decode(message),
+                Some(Err(_)) | None => continue,
+            };
+            match request {
+                Ok(request) => {
+                    self.channels.alive();
+                    self.obey(request);
+                    return;
+                }
+                Err(rejected) => {
+                    if let Some(id) = rejected.id {
+                        self.outbox.reply(id, Reply::Error(rejected.error));
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    fn send(&mut self) {
+        self.outbox.fill(&mut self.stream);
+        self.outbox.send(&mut self.wire);
+    }
+}
+
+/// The tick's guards for settings.
+pub fn guards(settings: &Settings, identity: &Identity) -> Guards {
+    Guards::new(settings, identity.tick_hz)
+}

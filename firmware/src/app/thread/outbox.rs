@@ -1,0 +1,79 @@
+//! What is on its way to the host: one frame at a time.
+
+use breakaway_core::link::{Event, MAX_FRAME, Message, Reply, encode};
+use heapless::Deque;
+
+use super::stream::Stream;
+use crate::board::Wire;
+
+/// Events that wait; more than a run can cause at once.
+const EVENTS: usize = 6;
+
+/// The frame being sent, and what comes after it: the reply first, then samples, then events.
+pub(super) struct Outbox {
+    frame: [u8; MAX_FRAME],
+    length: usize,
+    sent: usize,
+    reply: Option<(u16, Reply)>,
+    events: Deque<Event, EVENTS>,
+    /// The samples before the first event are on their way.
+    flushed: bool,
+}
+
+impl Outbox {
+    pub(super) const fn new() -> Self {
+        Self { frame: [0; MAX_FRAME], length: 0, sent: 0, reply: None, events: Deque::new(), flushed: false }
+    }
+
+    pub(super) fn can_reply(&self) -> bool {
+        self.reply.is_none()
+    }
+
+    /// Replies to a request; only if [`Self::can_reply`].
+    pub(super) fn reply(&mut self, id: u16, reply: Reply) {
+        self.reply = Some((id, reply));
+    }
+
+    pub(super) fn event(&mut self, event: Event) {
+        // The oldest gives way: faults can be asked for, and the newest state matters most.
+        if self.events.is_full() {
+            self.events.pop_front();
+        }
+        let _ = self.events.push_back(event);
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.sent == self.length && self.reply.is_none()
+    }
+
+    /// Takes the next message, if the frame before is out.
+    pub(super) fn fill(&mut self, stream: &mut Stream) {
+        if self.sent < self.length {
+            return;
+        }
+        // Once per event: what was recorded before it goes out before it.
+        if !self.events.is_empty() && !self.flushed && stream.ready() {
+            stream.flush();
+            self.flushed = true;
+        }
+        let message = if let Some((id, reply)) = self.reply.take() {
+            Message::Reply { id, reply }
+        } else if let Some(batch) = stream.take() {
+            Message::Samples(batch)
+        } else if let Some(event) = self.events.pop_front() {
+            self.flushed = false;
+            Message::Event(event)
+        } else {
+            return;
+        };
+        self.sent = 0;
+        // Every message fits (tested in the core); one that did not would be left out.
+        self.length = encode(&message, &mut self.frame).unwrap_or(0);
+    }
+
+    pub(super) fn send(&mut self, wire: &mut impl Wire) {
+        if let Some(rest @ [_, ..]) = self.frame.get(self.sent..self.length) {
+            self.sent += wire.write(rest).min(rest.len());
+        }
+    }
+}

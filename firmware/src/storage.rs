@@ -1,0 +1,60 @@
+//! Settings and model in flash: with CRC and version, and never a silent guess.
+//!
+//! `sequential-storage` keeps the items (each with its own CRC, page by page, so that a power cut while saving leaves
+//! what was there). It passes over a damaged item to an older copy of the same key; so every save carries a
+//! generation, written last under a key of its own, and what is not of that generation counts as damaged.
+
+mod flash;
+
+pub use flash::FlashStore;
+
+use breakaway_core::link::{FaultCause, Model, Settings};
+
+/// Version of what is stored. Raised when [`Settings`] or [`Model`] change on the wire.
+pub const VERSION: u16 = 1;
+
+/// What start-up found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// Stored settings, or the defaults.
+    pub settings: Settings,
+    /// Stored model, if there was one.
+    pub model: Option<Model>,
+    /// What was lost: [`FaultCause::SettingsLost`] (then there is no model either: its units are the settings') or
+    /// [`FaultCause::ModelLost`], with the version that was found, −1 where none could be read.
+    pub lost: Option<(FaultCause, i32)>,
+}
+
+impl Loaded {
+    /// What a board that never saved anything starts with.
+    #[must_use]
+    pub fn defaults(settings: Settings) -> Self {
+        Self { settings, model: None, lost: None }
+    }
+}
+
+/// What could not be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StoreError;
+
+/// Where settings and model are kept.
+pub trait Store {
+    /// Keeps them.
+    ///
+    /// # Errors
+    /// [`StoreError`]: what was kept before is still there.
+    fn save(&mut self, settings: &Settings, model: Option<&Model>) -> Result<(), StoreError>;
+}
+
+/// Keeps nothing: for boards without flash to spare. Saving is an error, not a silent loss.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoStore;
+
+impl Store for NoStore {
+    fn save(&mut self, _: &Settings, _: Option<&Model>) -> Result<(), StoreError> {
+        Err(StoreError)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+//! Faults: the drive goes off, the cause and its numbers are kept, through a reset, until a command clears them.
+
+use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply};
+use breakaway_firmware::board::Trip;
+
+use crate::bench::{Bench, World, relay, settings};
+
+/// A relay experiment in full swing.
+fn running() -> Bench {
+    let mut bench = Bench::new();
+    assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+    assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 0))), Reply::Done);
+    bench.steps(2000);
+    bench
+}
+
+/// Breaks something and returns the fault, which must come within `ticks`.
+fn after(bench: &mut Bench, ticks: u32, cause: FaultCause, fault: impl FnOnce(&mut World)) -> FaultRecord {
+    let broken_at = bench.status().tick;
+    bench.events.clear();
+    fault(&mut bench.world.0.borrow_mut());
+    let mut waited = 0;
+    while bench.world.0.borrow().enabled {
+        assert!(waited < ticks, "{cause:?}: the drive is still on after {ticks} ticks");
+        bench.step();
+        waited += 1;
+    }
+    assert_eq!(bench.world.0.borrow().drive, 0);
+    bench.steps(10);
+    let record = bench.fault().expect("a fault");
+    assert_eq!((record.cause, record.mode), (cause, Mode::Relay));
+    assert!(record.tick.wrapping_sub(broken_at) <= ticks + 1);
+    assert!(bench.events.contains(&Event::FaultRaised(record)));
+    let ended = bench.until_ended(1);
+    assert_eq!(ended.ending, Ending::Fault(cause));
+    // Everything up to the fault has been captured, without a gap.
+    let ticks: Vec<u32> = bench.samples.iter().map(|sample| sample.tick).collect();
+    assert!(ticks.windows(2).all(|pair| pair[1] == pair[0] + 1 || cause == FaultCause::EncoderError));
+    record
+}
+
+#[test]
+fn a_frozen_encoder() {
+    let mut bench = running();
+    // 200 ticks of the settings, and up to half a cycle (T = 0.72 s) until both relays push the same way.
+    let record = after(&mut bench, 200 + 362, FaultCause::EncoderFrozen, |world| {
+        world.frozen = Some((world.plant.x / 1e-3) as i32);
+    });
+    assert_eq!((record.value, record.limit), (200, 200));
+}
+
+#[test]
+fn an_encoder_that_jumps_or_dies() {
+    let record = after(&mut running(), 1, FaultCause::EncoderJump, |world| world.jump = 5000);
+    assert!(record.value > 4900 && record.limit == 1000, "{record:?}");
+    let mut bench = running();
+    after(&mut bench, 1, FaultCause::EncoderError, |world| world.dead_encoder = true);
+    // Still dead: not to be cleared.
+    assert_eq!(bench.command(Command::ClearFault), Reply::Error(CommandError::FaultPersists));
+}
+
+#[test]
+fn a_reversed_encoder_closes_no_loop() {
+    let mut bench = Bench::new();
+    bench.world.0.borrow_mut().reversed = true;
+    assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 0))), Reply::Done);
+    let ended = bench.until_ended(200);
+    assert_eq!(ended.ending, Ending::Fault(FaultCause::WrongDirection));
+    let record = bench.fault().unwrap();
+    // 1/64 of a revolution, 0.064 rad, at full drive: 3 V / 0.02685 is 112 rad/s².
+    assert_eq!((record.value.signum(), record.limit), (-1, 64));
+    assert!(record.tick < 60, "{record:?}");
+    // With the setting that says so the same machine runs.
+    let right = breakaway_core::link::Settings { encoder_reversed: true, ..settings() };
+    assert_eq!(bench.command(Command::ClearFault), Reply::Done);
+    assert_eq!(bench.command(Command::SetSettings(right)), Reply::Done);
+    bench.events.clear();
+    assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 1500))), Reply::Done);
+    assert_eq!(bench.until_ended(1600).ending, Ending::TimeUp);
+}
+
+#[test]
+fn a_silent_host() {
+    let mut bench = running();
+    bench.keep_alive = 0;
+    // 1000 ms of the settings at 1 kHz.
+    let record = after(&mut bench, 1001, FaultCause::LinkLost, |_| {});
+    assert_eq!((record.value, record.limit), (1000, 1000));
+}
+
+#[test]
+fn late_ticks() {
+    let mut bench = running();
+    let record = after(&mut bench, 4, FaultCause::TickOverrun, |world| world.late_us = 600);
+    assert_eq!((record.value, record.limit), (3, 3));
+    let fed = bench.world.0.borrow().fed;
+    bench.steps(20);
+    assert_eq!(bench.world.0.borrow().fed, fed, "late ticks do not feed the watchdog");
+    assert!(bench.status().overruns >= 20);
+}
+
+#[test]
+fn trips_and_a_broken_power_stage() {
+    let mut bench = running();
+    let record = after(&mut bench, 1, FaultCause::Supply, |world| world.trip = Some(Trip::Supply(11_500)));
+    assert_eq!(record.value, 11_500);
+    assert_eq!(bench.command(Command::ClearFault), Reply::Error(CommandError::FaultPersists));
+    bench.world.0.borrow_mut().trip = None;
+    assert_eq!(bench.command(Command::ClearFault), Reply::Done);
+    assert_eq!((bench.fault(), bench.status().mode), (None, Mode::Idle));
+    after(&mut running(), 1, FaultCause::BreakInput, |world| world.trip = Some(Trip::Break(2)));
+    after(&mut running(), 1, FaultCause::DriveStage, |world| world.broken_drive = true);
+}
+
+#[test]
+fn a_fault_outlives_a_reset_and_nothing_starts_before_it_is_cleared() {
+    let mut bench = running();
+    let record = after(&mut bench, 1, FaultCause::EncoderJump, |world| world.jump = 5000);
+    let retained = bench.world.0.borrow().retained;
+    let mut again = Bench::with_memory(retained, settings());
+    again.steps(3);
+    assert_eq!(again.fault(), Some(record));
+    assert!(again.events.contains(&Event::FaultRaised(record)));
+    let refused = Reply::Error(CommandError::Faulted);
+    assert_eq!(again.command(Command::StartRelay(relay(2.0, 1.5, 0))), refused);
+    assert!(!again.world.0.borrow().enabled);
+    assert_eq!(again.command(Command::ClearFault), Reply::Done);
+    assert_eq!(again.command(Command::StartRelay(relay(2.0, 1.5, 10))), Reply::Done);
+    // Cleared is cleared, after another reset too.
+    again.until_ended(20);
+    let retained = again.world.0.borrow().retained;
+    assert_eq!(Bench::with_memory(retained, settings()).fault(), None);
+}
+
+#[test]
+fn a_reset_during_a_run_is_a_fault() {
+    let retained = running().world.0.borrow().retained;
+    let mut again = Bench::with_memory(retained, settings());
+    assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::ResetWhileDriven));
+    assert!(!again.world.0.borrow().enabled);
+}

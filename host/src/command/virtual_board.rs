@@ -1,0 +1,137 @@
+//! `breakaway virtual-board`.
+
+use std::path::PathBuf;
+
+use breakaway_core::link::{DriveUnit, FULL_SCALE_CODE, PositionUnit, Settings};
+use serde::Serialize;
+
+use super::output::Output;
+use super::recording_args::positive;
+use super::run::papers_plant;
+use crate::device::virtual_board::{Injection, Machine, Options, VirtualBoard};
+use crate::interrupt::finish_first;
+use crate::model::Model;
+
+/// Run the firmware on a virtual board: QEMU with a simulated plant, behind a pseudo-terminal
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway virtual-board --plant plant.toml
+  breakaway run suite --port PORT -o session        (PORT as printed, in another terminal)
+
+It runs until Ctrl-C. Needs qemu-system-arm (apt-get install qemu-system-arm) and the firmware's image (cargo xtask
+image). Without --plant the plant of the papers is taken. The board's settings start as the options say: encoder step,
+drive at full scale, units of the plant; with --flash they are kept as on a real board.
+
+Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
+break=NUMBER, supply=MV, reset, healed. TICK counts from the start.
+
+JSON: port, board, tick_hz; printed when the board is ready.")]
+pub struct Args {
+    /// The plant to simulate, with any effects [default: the papers' plant]
+    #[arg(long, value_name = "MODEL.toml")]
+    pub plant: Option<PathBuf>,
+    /// Control ticks per second
+    #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(10..=100_000))]
+    pub tick_hz: u32,
+    /// Position units per encoder count
+    #[arg(long, value_name = "X", default_value_t = 0.001, value_parser = positive)]
+    pub encoder_step: f64,
+    /// Standard deviation of the position noise before the encoder, position units
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub noise: f64,
+    /// Drive units at full scale
+    #[arg(long, value_name = "U", default_value_t = 5.0, value_parser = positive)]
+    pub drive_full_scale: f64,
+    /// Half of the travel, position units
+    #[arg(long, value_name = "X", default_value_t = 40.0, value_parser = positive)]
+    pub travel: f64,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Virtual time over real time at the most, or `max`
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
+    pub speed: f64,
+    /// File of the flash's content [default: blank at every start]
+    #[arg(long, value_name = "FILE")]
+    pub flash: Option<PathBuf>,
+    /// The firmware's image [default: built by `cargo xtask image`]
+    #[arg(long, value_name = "ELF")]
+    pub image: Option<PathBuf>,
+    /// A fault at a tick; may be given several times
+    #[arg(long, value_name = "TICK:FAULT")]
+    pub inject: Vec<Injection>,
+}
+
+#[derive(Debug, Serialize)]
+struct Document {
+    port: String,
+    board: &'static str,
+    tick_hz: u32,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    if text == "max" { Ok(f64::INFINITY) } else { positive(text).map_err(|error| format!("{error}, or `max`")) }
+}
+
+impl Args {
+    /// Runs the board until Ctrl-C.
+    ///
+    /// # Errors
+    /// The plant cannot be read, QEMU or the image is missing, QEMU ends.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let interrupt = finish_first();
+        let model = self.plant.as_deref().map(Model::read).transpose()?.unwrap_or_else(papers_plant);
+        let options = self.options(&model)?;
+        let board = VirtualBoard::start(&options)?;
+        let document = Document { port: board.port.clone(), board: "mps2-an386", tick_hz: self.tick_hz };
+        output.print(&document, |d| format!("virtual board at {} ({} Hz); Ctrl-C ends it", d.port, d.tick_hz))?;
+        board.wait(|| !interrupt.requested())?;
+        Ok(())
+    }
+
+    fn options(&self, model: &Model) -> anyhow::Result<Options> {
+        let machine = Machine {
+            base: model.base,
+            effects: model.plant_effects()?,
+            tick_hz: self.tick_hz,
+            encoder_step: self.encoder_step,
+            noise: self.noise,
+            drive_full_scale: self.drive_full_scale,
+            seed: self.seed,
+        };
+        machine.check()?;
+        let settings = settings(&machine, model, self.travel);
+        settings.validate().map_err(|field| anyhow::anyhow!("{} must be {}", field.name(), field.need()))?;
+        Ok(Options {
+            image: self.image.clone(),
+            machine,
+            settings,
+            speed: self.speed,
+            flash: self.flash.clone(),
+            faults: self.inject.clone(),
+        })
+    }
+}
+
+/// Settings of a board on this machine: its scales and units, its full drive, `travel` position units either way.
+pub fn settings(machine: &Machine, model: &Model, travel: f64) -> Settings {
+    let position_unit = PositionUnit::ALL.into_iter().find(|unit| unit.symbol() == model.units.x).unwrap_or_default();
+    let drive_unit = DriveUnit::ALL.into_iter().find(|unit| unit.symbol() == model.units.u).unwrap_or_default();
+    let travel_counts = (travel / machine.encoder_step).min(1e9) as i32;
+    Settings {
+        drive_max_code: FULL_SCALE_CODE,
+        mean_drive_max_code: FULL_SCALE_CODE,
+        travel_min_counts: -travel_counts,
+        travel_max_counts: travel_counts,
+        speed_max_counts_per_s: i32::MAX.unsigned_abs(),
+        frozen_ticks: (machine.tick_hz / 2).max(1),
+        frozen_drive_code: FULL_SCALE_CODE / 2,
+        hysteresis_counts: 1,
+        counts_per_revolution: 0,
+        position_per_count: machine.encoder_step as f32,
+        position_unit,
+        drive_full_scale: machine.drive_full_scale as f32,
+        drive_unit,
+        ..Settings::default()
+    }
+}

@@ -1,0 +1,31 @@
+//! What can go wrong with the virtual board.
+
+/// What went wrong, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum VirtualBoardError {
+    /// QEMU is not installed.
+    #[error("qemu-system-arm is missing: install it by `sudo apt-get install qemu-system-arm`")]
+    NoQemu,
+    /// The image is not where it should be.
+    #[error("the firmware image {0} is missing: build it by `cargo xtask image`")]
+    NoImage(String),
+    /// QEMU did not come up.
+    #[error("QEMU does not start: {0}")]
+    NotStarted(String),
+    /// QEMU or the firmware has ended.
+    #[error("the virtual board has ended: {0}")]
+    Lost(String),
+    /// A file of its own could not be made.
+    #[error("cannot prepare the virtual board: {0}")]
+    Io(#[from] std::io::Error),
+    /// An option is out of range.
+    #[error("{field} = {value} is out of range: it must be {need}")]
+    Range {
+        /// Option.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        need: &'static str,
+    },
+}

@@ -1,0 +1,27 @@
+//! Where the firmware's image is.
+
+use std::path::{Path, PathBuf};
+
+use super::VirtualBoardError;
+
+/// Where `cargo xtask image` puts it, below the target folder.
+const IMAGE: &str = "images/mps2-an386.elf";
+/// Names another.
+const VARIABLE: &str = "BREAKAWAY_IMAGE";
+
+/// The image given, or named by `BREAKAWAY_IMAGE`, or built by `cargo xtask image` in the target folder from which this
+/// program runs.
+///
+/// # Errors
+/// [`VirtualBoardError::NoImage`].
+pub fn find(given: Option<&Path>) -> Result<PathBuf, VirtualBoardError> {
+    let named = given.map(Path::to_path_buf).or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+    if let Some(image) = named {
+        return if image.is_file() { Ok(image) } else { Err(VirtualBoardError::NoImage(image.display().to_string())) };
+    }
+    let program = std::env::current_exe().unwrap_or_default();
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
+    let folders = program.ancestors().skip(1).take(4).map(Path::to_path_buf).chain([workspace]);
+    let mut images = folders.map(|folder| folder.join(IMAGE));
+    images.find(|image| image.is_file()).ok_or_else(|| VirtualBoardError::NoImage(IMAGE.to_owned()))
+}

@@ -1,0 +1,76 @@
+//! Faults of the machine, injected on the plant's side.
+
+use std::str::FromStr;
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The encoder stays where it is.
+    EncoderFrozen,
+    /// The encoder is off by this many counts from now on.
+    EncoderJump(i32),
+    /// The encoder does not answer.
+    EncoderDead,
+    /// The next tick comes late by this many microseconds.
+    TickLate(u32),
+    /// The break input, with a number.
+    Break(i32),
+    /// The supply is at this voltage, mV.
+    Supply(i32),
+    /// The board is reset; the plant goes on.
+    Reset,
+    /// All of the above is over.
+    Healed,
+}
+
+/// A fault at a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Injection {
+    /// Ticks since the start.
+    pub tick: u64,
+    /// What.
+    pub fault: Fault,
+}
+
+impl FromStr for Injection {
+    type Err = String;
+
+    /// `TICK:NAME` or `TICK:NAME=NUMBER`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || {
+            "expected TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, \
+             break=NUMBER, supply=MV, reset, healed"
+                .to_owned()
+        };
+        let (tick, fault) = text.split_once(':').ok_or_else(wrong)?;
+        let (name, number) = fault.split_once('=').unwrap_or((fault, ""));
+        let signed = || number.parse::<i32>().map_err(|_| wrong());
+        let fault = match (name, number) {
+            ("encoder-frozen", "") => Fault::EncoderFrozen,
+            ("encoder-jump", _) => Fault::EncoderJump(signed()?),
+            ("encoder-dead", "") => Fault::EncoderDead,
+            ("tick-late", _) => Fault::TickLate(number.parse().map_err(|_| wrong())?),
+            ("break", _) => Fault::Break(signed()?),
+            ("supply", _) => Fault::Supply(signed()?),
+            ("reset", "") => Fault::Reset,
+            ("healed", "") => Fault::Healed,
+            _ => return Err(wrong()),
+        };
+        Ok(Self { tick: tick.parse().map_err(|_| wrong())?, fault })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn injections_are_read_or_refused() {
+        let read = |text: &str| text.parse::<Injection>();
+        assert_eq!(read("20:encoder-frozen"), Ok(Injection { tick: 20, fault: Fault::EncoderFrozen }));
+        assert_eq!(read("0:encoder-jump=-9"), Ok(Injection { tick: 0, fault: Fault::EncoderJump(-9) }));
+        for wrong in ["reset", "x:reset", "1:reset=2", "1:supply", "1:supply=low", "1:quake", "1:tick-late=-1"] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

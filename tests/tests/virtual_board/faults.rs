@@ -1,0 +1,136 @@
+//! What breaks: each ends with the drive off within a stated number of ticks, the fault named and kept, nothing captured
+//! lost.
+
+use std::io::Write;
+use std::time::Duration;
+
+use breakaway::device::virtual_board::Fault;
+use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
+
+use crate::bench::{Bench, relay};
+
+#[test]
+fn a_frozen_encoder() {
+    let mut bench = Bench::new(|options| options.settings.frozen_ticks = 200);
+    bench.swing();
+    // The settings' 200 ticks, up to half a cycle (T = 0.73 s) until both relays push the same way, and two.
+    let ticks = bench.breaks(Fault::EncoderFrozen, 200 + 366 + 2);
+    assert!(ticks >= 200);
+    let record = bench.kept(FaultCause::EncoderFrozen);
+    assert_eq!((record.value, record.limit), (200, 200));
+}
+
+#[test]
+fn an_encoder_that_jumps_and_one_that_dies() {
+    let mut bench = Bench::new(|_| {});
+    bench.swing();
+    bench.breaks(Fault::EncoderJump(5000), 1);
+    let record = bench.kept(FaultCause::EncoderJump);
+    assert!(record.value > 4900 && record.limit == 1000, "{record:?}");
+    // It survives a reset, and nothing runs before it is cleared.
+    bench.board.inject(Fault::Healed);
+    bench.done(Command::Reboot);
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(bench.fault(), Some(record));
+    assert_eq!(bench.board.seen().unwrap().starts, 2);
+    assert!(bench.client.done(Command::StartRelay(relay(2.0, 1.5, 10))).is_err());
+    bench.done(Command::ClearFault);
+    assert_eq!(bench.fault(), None);
+    // The same board again, and another fault.
+    bench.samples.clear();
+    bench.events.clear();
+    bench.swing();
+    bench.breaks(Fault::EncoderDead, 1);
+    bench.kept(FaultCause::EncoderError);
+    let refused = bench.client.request(Command::ClearFault).unwrap_err();
+    assert!(refused.to_string().contains("still there"), "{refused}");
+}
+
+#[test]
+fn late_ticks_and_a_missing_supply() {
+    let mut bench = Bench::new(|options| options.settings.overrun_limit = 1);
+    bench.swing();
+    // 0.6 of a period late: more than the half that is allowed.
+    bench.breaks(Fault::TickLate(600), 1);
+    let record = bench.kept(FaultCause::TickOverrun);
+    assert_eq!((record.value, record.limit), (1, 1));
+    bench.done(Command::ClearFault);
+    bench.samples.clear();
+    bench.events.clear();
+    bench.swing();
+    bench.breaks(Fault::Supply(9_000), 1);
+    assert_eq!(bench.kept(FaultCause::Supply).value, 9_000);
+}
+
+#[test]
+fn a_host_that_is_gone() {
+    let mut bench = Bench::new(|options| options.settings.command_timeout_ms = 2_000);
+    bench.swing();
+    let seen = bench.board.watch();
+    let port = bench.board.port.clone();
+    drop(bench.client);
+    let first = seen.recv().unwrap();
+    let off = seen.iter().find(|seen| seen.code == 0).unwrap();
+    // 2000 ticks after the last command, which was sent at most 0.2 s before the end, and two.
+    assert!(off.tick - first.tick <= 2002, "off after {} ticks", off.tick - first.tick);
+    let (mut client, _) = breakaway::device::Client::connect(&port, breakaway_core::link::BAUD).unwrap();
+    let Ok(Reply::Fault(Some(record))) = client.request(Command::GetFault) else { panic!("no fault") };
+    assert_eq!((record.cause, record.value, record.limit), (FaultCause::LinkLost, 2000, 2000));
+}
+
+#[test]
+fn a_travel_limit_ends_the_run_and_is_no_fault() {
+    let mut bench = Bench::new(|options| options.settings.travel_max_counts = 300);
+    bench.done(Command::StreamOn { decimation: 1 });
+    let ended = bench.run_relay(2.0, 1.5, 0);
+    let Ending::Limit { limit: Limit::Travel, value } = ended.ending else { panic!("{ended:?}") };
+    // One tick at the speed at 0.3 rad, at most √(2·112·0.3) = 8.2 rad/s, is 9 counts.
+    assert!((301..=310).contains(&value), "{ended:?}");
+    bench.until("the sample at the end", |bench| bench.samples.iter().any(|sample| sample.tick == ended.tick));
+    let at_end = *bench.samples.iter().find(|sample| sample.tick == ended.tick).unwrap();
+    assert_eq!((at_end.drive_code, at_end.mode), (0, Mode::Idle));
+    bench.no_gap();
+    assert_eq!(bench.fault(), None);
+}
+
+#[test]
+fn a_reset_during_a_run() {
+    let mut bench = Bench::new(|_| {});
+    bench.swing();
+    bench.breaks(Fault::Reset, 2);
+    // What the board had sent before the reset is there.
+    bench.no_gap();
+    let record = bench.fault().expect("a fault");
+    assert_eq!(record.cause, FaultCause::ResetWhileDriven);
+    assert_eq!(bench.board.seen().unwrap().starts, 2);
+}
+
+/// Garbage on the link, on the parser of the real image: counted, and the next command is answered.
+#[test]
+fn garbage_on_the_link() {
+    let mut bench = Bench::new(|_| {});
+    bench.swing();
+    let mut port = std::fs::OpenOptions::new().write(true).open(&bench.board.port).unwrap();
+    let mut state = 1_u32;
+    let mut frames = 0;
+    for _ in 0..20 {
+        let noise: Vec<u8> = (0..150)
+            .map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 24) as u8
+            })
+            .collect();
+        frames += noise.iter().filter(|byte| **byte == 0).count();
+        port.write_all(&noise).unwrap();
+        bench.until("a status", |_| true);
+    }
+    port.write_all(&[0]).unwrap();
+    let status = bench.client.status().unwrap();
+    assert!(status.bad_frames > 0 && status.bad_frames as usize <= frames + 1, "{status:?} of {frames}");
+    assert_eq!((status.mode, status.dropped), (Mode::Relay, 0));
+    bench.done(Command::Stop);
+    bench.until("the end", |bench| bench.ended().is_some());
+    assert_eq!(bench.ended().unwrap().ending, Ending::Stopped);
+    assert!(!bench.events.iter().any(|event| matches!(event, Event::FaultRaised(_))));
+    bench.no_gap();
+}
