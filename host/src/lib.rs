@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod command;
+pub mod control;
 pub mod discover;
 pub mod file;
 pub mod identify;

@@ -12,6 +12,8 @@ pub mod recording_args;
 pub mod run;
 pub mod simulate;
 pub mod sinefit;
+pub mod track;
+pub mod tune;
 
 use std::process::ExitCode;
 
@@ -48,6 +50,10 @@ pub enum Command {
     Effects(effects::Args),
     /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
     Sinefit(sinefit::Args),
+    /// Follow a reference in closed loop, with and without compensation side by side
+    Track(track::Args),
+    /// Tune a controller from a model: PID gains, compensator, adaptive start values, margins
+    Tune(tune::Args),
 }
 
 /// A combination of arguments that makes no sense: exit code 2, as for those clap refuses itself.
@@ -66,6 +72,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Identify(args) => args.run(output),
         Command::Effects(args) => args.run(output),
         Command::Sinefit(args) => args.run(output),
+        Command::Track(args) => args.run(output),
+        Command::Tune(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
