@@ -8,11 +8,9 @@ use breakaway_tests::robustness_page;
 
 fn main() -> std::io::Result<()> {
     let page = robustness_page::page();
-    match std::env::args_os().nth(1).map(PathBuf::from) {
-        Some(path) => write_whole(&path, |out| out.write_all(page.as_bytes())),
-        None => {
-            print!("{page}");
-            Ok(())
-        }
+    if let Some(path) = std::env::args_os().nth(1).map(PathBuf::from) {
+        return write_whole(&path, |out| out.write_all(page.as_bytes()));
     }
+    print!("{page}");
+    Ok(())
 }

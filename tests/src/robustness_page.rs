@@ -12,6 +12,9 @@ const HOURS: u64 = 10;
 /// Trials of a rise of friction.
 const RISES: u64 = 200;
 
+/// A number of an outcome.
+type Column = fn(&Outcome) -> f64;
+
 /// The page; some seconds of work in an optimised build.
 pub fn page() -> String {
     let outcomes: Vec<(Random, Outcome)> = plants(PLANTS).into_iter().map(|plant| (plant, try_plant(&plant))).collect();
@@ -47,7 +50,7 @@ delay allow), runs in f32, and has the compensator **on**, drive limited to 1.5 
         let _ = writeln!(out, "| {name} | {} |", count(verdict));
     }
     out.push_str("\n| | median | 90 % | worst |\n|---|---|---|---|\n");
-    let columns: [(&str, fn(&Outcome) -> f64); 4] = [
+    let columns: [(&str, Column); 4] = [
         ("tracking error, counts rms", |o| o.rms_counts),
         ("movement at rest, counts", |o| o.rest_counts),
         ("error after saturation, counts", |o| o.left_counts),

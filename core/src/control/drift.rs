@@ -313,7 +313,9 @@ impl<R: Fast> DriftWatch<R> {
             bin += 1;
             edge += width;
         }
-        side.bins[bin] += self.per_memory * (z - side.bins[bin]);
+        if let Some(of_late) = side.bins.get_mut(bin) {
+            *of_late += self.per_memory * (z - *of_late);
+        }
         let up = side.up.add(z - self.slack, off);
         let down = side.down.add(-z - self.slack, off);
         if up <= self.threshold && down <= self.threshold {
@@ -322,11 +324,11 @@ impl<R: Fast> DriftWatch<R> {
         let pushes = up > self.threshold;
         let found = if pushes { side.up } else { side.down };
         let force = found.residual / R::from_i32((found.blocks.min(1 << 20) as i32).max(1));
-        let mut worst = bin;
-        for (i, value) in side.bins.iter().enumerate() {
-            let more = if pushes { *value > side.bins[worst] } else { *value < side.bins[worst] };
-            if more {
-                worst = i;
+        let (mut worst, mut most) = (bin, R::ZERO);
+        for (i, of_late) in side.bins.iter().enumerate() {
+            let pushed = if pushes { *of_late } else { -*of_late };
+            if pushed > most {
+                (worst, most) = (i, pushed);
             }
         }
         let position = state.low + width * R::from_i32(worst as i32) + (width * self.half());

@@ -191,8 +191,9 @@ impl<R: Fast> Profile<R> {
         if !self.shuttle {
             return self.forward(k);
         }
-        let turn = k / self.half_period;
-        let there = self.forward(k - turn * self.half_period);
+        // Never 0 by construction; this way no division can panic.
+        let turn = k.checked_div(self.half_period).unwrap_or(0);
+        let there = self.forward(k.wrapping_sub(turn.wrapping_mul(self.half_period)));
         if turn.is_multiple_of(2) { there } else { Setpoint { x: self.distance - there.x, v: -there.v, a: -there.a } }
     }
 
@@ -200,14 +201,14 @@ impl<R: Fast> Profile<R> {
         if k >= self.length {
             return Setpoint { x: self.distance, v: R::ZERO, a: R::ZERO };
         }
-        let mut piece = self.segments[0];
-        for segment in &self.segments[1..self.used.clamp(1, SEGMENTS)] {
+        let mut piece = &self.segments[0];
+        for segment in self.segments.iter().take(self.used).skip(1) {
             if k >= segment.from {
-                piece = *segment;
+                piece = segment;
             }
         }
         // Below 2³¹ by construction.
-        let t = R::from_i32((k - piece.from) as i32) * self.tick;
+        let t = R::from_i32(k.wrapping_sub(piece.from) as i32) * self.tick;
         let (half_a, sixth_j) = (piece.half_a, piece.sixth_j);
         let three_j = sixth_j + sixth_j + sixth_j;
         let a = half_a + three_j * t;
@@ -303,7 +304,7 @@ impl<'a, R: Fast> Samples<'a, R> {
         let last = self.x.len().saturating_sub(1);
         let k = (k as usize).min(last);
         let sample = |i: usize| self.x.get(i.min(last)).copied().unwrap_or(R::ZERO);
-        let (before, here, after) = (sample(k.saturating_sub(1)), sample(k), sample(k + 1));
+        let (before, here, after) = (sample(k.saturating_sub(1)), sample(k), sample(k.saturating_add(1)));
         Setpoint {
             x: here,
             v: (after - before) * self.per_two_ticks,
