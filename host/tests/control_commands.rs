@@ -133,9 +133,10 @@ fn track_takes_controller_plant_and_references() {
         assert_eq!(document["plant"], "cogging.toml");
         assert!(document["improvement"].as_f64().unwrap() > 1.0, "{document}");
     }
-    let samples: String =
-        (0..400).map(|k| format!("{},{}\n", 0.01 * f64::from(k), (0.02 * f64::from(k)).sin())).collect();
-    fs::write(folder.path().join("path.csv"), format!("t,x\n{samples}")).unwrap();
+    let samples = (0..400).fold(String::from("t,x\n"), |text, k| {
+        text + &format!("{},{}\n", 0.01 * f64::from(k), (0.02 * f64::from(k)).sin())
+    });
+    fs::write(folder.path().join("path.csv"), samples).unwrap();
     let document = json(folder.path(), &["track", "--model", "base.toml", "--reference", "path.csv"]);
     assert!(document["improvement"].as_f64().unwrap() > 2.0, "{document}");
     for wrong in ["sine:1", "square:1,2", "sine:1,x", "sine:1,-3", "none.csv", "trapezoid:1,0,1"] {
