@@ -82,3 +82,22 @@ fn a_constant_load_is_no_worse_than_integral_action() {
         assert!(fed <= 1.05 * integral, "{fed} {integral}");
     }
 }
+
+/// The other effects that the catalogue says can be compensated, drive-path ones by their inverse: in closed loop none is
+/// worse for it, and each is at the encoder's floor or at most two thirds of what the base model leaves.
+#[test]
+fn every_compensable_effect_gains_or_stays() {
+    let floor = error(&[], Some(&[]), SINE, STEP);
+    for effect in [
+        Effect::new(Kind::DeadZone, &[TENTH]),
+        Effect::new(Kind::PwmDeadTime, &[TENTH, 0.2, 0.05]),
+        Effect::new(Kind::LoadFriction, &[0.1]),
+        Effect::new(Kind::QuadraticDrag, &[TENTH / 2.46]),
+        Effect::new(Kind::Spring, &[TENTH, 0.2]),
+        Effect::new(Kind::GravityLoad, &[TENTH, 0.3]),
+    ] {
+        let [pid, base, whole] = ladder(effect, effect, STEP);
+        assert!(whole < pid / 5.0, "{:?}: {whole} {pid}", effect.kind);
+        assert!(whole <= base / 1.5 || whole <= 1.2 * floor, "{:?}: {whole} {base} {floor}", effect.kind);
+    }
+}
