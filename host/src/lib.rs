@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod command;
+pub mod control;
 pub mod device;
 pub mod discover;
 pub mod file;

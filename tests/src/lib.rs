@@ -3,6 +3,9 @@
 pub mod adaptive;
 pub mod adaptive_page;
 pub mod blind;
+pub mod drift;
+pub mod robustness;
+pub mod robustness_page;
 use std::path::PathBuf;
 
 /// The folder of measured recordings: `BREAKAWAY_DATA`, or `../shared/data` beside the checkout.

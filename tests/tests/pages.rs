@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use breakaway::control::design::Design;
 use breakaway_tests::adaptive_page;
 
 fn docs() -> PathBuf {
@@ -57,4 +58,16 @@ fn the_adaptive_page_is_what_the_law_does() {
 fn a_changed_number_or_word_is_seen() {
     assert!(same("a 1.0 b 20.5", "a 1.1 b 20.4"));
     assert!(!same("a 1.0 b", "a 1.5 b") && !same("a 1.0 b", "a 1.0 c") && !same("a 1.0", "a 1.0 2.0"));
+}
+
+/// The example of docs/control.md is a controller, and its file written again is the same controller.
+#[test]
+fn the_controllers_example_is_read() {
+    let page = std::fs::read_to_string(docs().join("control.md")).unwrap();
+    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let design = Design::parse("docs/control.md", example).unwrap();
+    assert_eq!(design.model.effects.len(), 1);
+    let mut again = Design::parse("again", &design.to_toml()).unwrap();
+    again.model.provenance.clone_from(&design.model.provenance);
+    assert_eq!(again, design);
 }

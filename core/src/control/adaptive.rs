@@ -1,116 +1,24 @@
 //! The adaptive law, corrected (identification.md section 5; errata 27–33 of the paper's eqs 22–31).
 //!
-//!     s = Λ1·∫e + Λ2·e + ė       s_Δ = s − δ·sat(s/δ)       e = x_d − x
-//!     u_c = −Λ1·e − Λ2·ė − ẍ_d − Kv·s_Δ
-//!     u = ĉ·v − b̂·u_c + f̂1·sgn v + f̂·sat(s/δ)
-//!     ĉ' = kc·v·s_Δ    b̂' = −kb·u_c·s_Δ    f̂1' = kf1·sgn v·s_Δ    f̂' = kf·(|s_Δ| − σ·f̂)
+//! ```text
+//! s = Λ1·∫e + Λ2·e + ė       s_Δ = s − δ·sat(s/δ)       e = x_d − x
+//! u_c = −Λ1·e − Λ2·ė − ẍ_d − Kv·s_Δ
+//! u = ĉ·v − b̂·u_c + f̂1·sgn v + f̂·sat(s/δ)
+//! ĉ' = kc·v·s_Δ    b̂' = −kb·u_c·s_Δ    f̂1' = kf1·sgn v·s_Δ    f̂' = kf·(|s_Δ| − σ·f̂)
+//! ```
 //!
 //! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
 //! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b̂ ≥ b_min and f̂1, ĉ, f̂ ≥ 0 by projection;
 //! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
 //! parameters' own sizes.
 
+mod settings;
+
+pub use settings::{Adaptation, AdaptiveError, Estimates};
+
 use super::fast::Fast;
 use super::trajectory::Setpoint;
 use super::tuning::{Gains, TuningError};
-
-/// What the law adapts, or starts from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimates<R> {
-    /// b̂, drive units per (X/s²).
-    pub b: R,
-    /// ĉ = f̂2 − â, drive units per (X/s).
-    pub c: R,
-    /// f̂1, drive units.
-    pub f1: R,
-    /// f̂, bound of what the model misses, drive units.
-    pub f: R,
-}
-
-/// How fast the law adapts, and within what.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adaptation {
-    /// kb, kc, kf1, kf: in the units of the parameter squared over (drive unit·X).
-    pub gains: Estimates<f64>,
-    /// Leak of f̂, in X/s per drive unit; 0 for none.
-    pub sigma: f64,
-    /// δ, X/s; > 0.
-    pub delta: f64,
-    /// Smallest b̂; ≥ 0.
-    pub b_min: f64,
-    /// Kv·s in u_c instead of the paper's Kv·s_Δ, so that the PID of remark 1 goes on within δ (erratum 33). The proof
-    /// stays: s·s_Δ ≥ s_Δ², so V̇ ≤ −Kv·b·s_Δ² all the same.
-    pub pid_inside: bool,
-    /// Largest speed of the reference that is expected, X/s: for the gains' limit only.
-    pub speed: f64,
-    /// Largest acceleration of the reference that is expected, X/s²: for the gains' limit only.
-    pub acceleration: f64,
-}
-
-/// Why an adaptive controller is refused; with the largest gain that would do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AdaptiveError {
-    /// Kv, Λ1, Λ2, the filter, the tick, the limit.
-    Gains(TuningError),
-    /// δ is not finite and positive.
-    Delta,
-    /// σ is not finite and non-negative.
-    Sigma,
-    /// `b_min` is not finite and non-negative.
-    SmallestB,
-    /// A start value is not finite and non-negative.
-    Start,
-    /// An expected speed or acceleration is not finite and non-negative.
-    Motion,
-    /// kb is negative, or past |ẍ|·√(kb/b)·Ts = 0.1.
-    B {
-        /// The largest kb.
-        largest: f64,
-    },
-    /// kc is negative, or past |v|·√(kc/b)·Ts = 0.1.
-    C {
-        /// The largest kc.
-        largest: f64,
-    },
-    /// kf1 is negative, or past √(kf1/b)·Ts = 0.1.
-    F1 {
-        /// The largest kf1.
-        largest: f64,
-    },
-    /// kf is negative, or past √(kf/b)·Ts = 0.1.
-    F {
-        /// The largest kf.
-        largest: f64,
-    },
-}
-
-impl Adaptation {
-    /// Gains `k_i = rate²·θ_i²/(b0·…)` scaled by the start values' sizes, so that one number sets the speed of all: along a
-    /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate` rad/s.
-    /// With F = b·acceleration + c·speed + f1, `k_i = (b·rate²/F²)·θ_i²`.
-    ///
-    /// δ is the speed error within which nothing adapts (X/s); a few encoder steps per filter time.
-    pub fn normalised(start: &Estimates<f64>, rate: f64, speed: f64, acceleration: f64, delta: f64) -> Self {
-        let largest = start.b * acceleration + start.c * speed + start.f1;
-        let scale = if largest > 0.0 { start.b * rate * rate / (largest * largest) } else { 0.0 };
-        let gain = |value: f64| scale * value * value;
-        Self {
-            gains: Estimates {
-                b: gain(start.b),
-                c: gain(start.c),
-                f1: gain(start.f1),
-                // What is missed is taken to be a tenth of the friction.
-                f: gain(0.1 * start.f1),
-            },
-            sigma: if start.f1 > 0.0 { delta / start.f1 } else { 0.0 },
-            delta,
-            b_min: 0.2 * start.b,
-            pid_inside: true,
-            speed,
-            acceleration,
-        }
-    }
-}
 
 /// Configuration of the adaptive controller. In Q32 a gain times the tick has steps of 2.3e-10, and below that is 0.
 #[derive(Clone, Copy, Debug)]

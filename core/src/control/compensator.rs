@@ -45,8 +45,14 @@ const CAP: f64 = 0.98;
 #[derive(Clone, Copy, Debug)]
 pub struct Compensator<R> {
     base: Base<R>,
+    /// Effects in the balance of forces.
     terms: [Term<R>; MAX_EFFECTS],
     used: usize,
+    /// Effects of the drive path, in its order.
+    path: [Term<R>; MAX_EFFECTS],
+    path_used: usize,
+    /// Load-dependent friction, all of it.
+    load: Term<R>,
     lead_s: R,
     half_lead_s: R,
     cap: R,
@@ -65,22 +71,36 @@ impl<R: Fast> Compensator<R> {
         if effects.len() > MAX_EFFECTS {
             return Err(CompensatorError::TooManyEffects);
         }
-        let mut terms = [Term::Nothing; MAX_EFFECTS];
-        let mut used = 0;
+        let (mut terms, mut path) = ([Term::Nothing; MAX_EFFECTS], [Term::Nothing; MAX_EFFECTS]);
+        let (mut used, mut path_used) = (0, 0);
+        let mut load_friction = 0.0;
         for effect in effects {
             if effect.p.iter().any(|p| !p.is_finite()) {
                 return Err(CompensatorError::Parameter(effect.kind));
             }
-            if let (Some(term), Some(slot)) = (Term::new(effect, checked.f1), terms.get_mut(used)) {
+            let Some(term) = Term::new(effect, checked.f1) else { continue };
+            let (list, count) = match term {
+                Term::Load { .. } => {
+                    load_friction += effect.p[0];
+                    continue;
+                }
+                Term::DeadZone { .. } | Term::DeadTime { .. } => (&mut path, &mut path_used),
+                _ => (&mut terms, &mut used),
+            };
+            if let Some(slot) = list.get_mut(*count) {
                 *slot = term;
-                used += 1;
+                *count += 1;
             }
         }
+        let load = if load_friction == 0.0 { Term::Nothing } else { Term::load(load_friction) };
         let base = Base { b: R::from_f64(base.b), c: R::from_f64(base.c), f1: R::from_f64(base.f1) };
         Ok(Self {
             base,
             terms,
             used,
+            path,
+            path_used,
+            load,
             lead_s: R::ZERO,
             half_lead_s: R::ZERO,
             cap: R::from_f64(CAP),
@@ -123,8 +143,8 @@ impl<R: Fast> Compensator<R> {
         effects.iter().map(|effect| effect.kind).filter(|kind| kind.definition().compensation.is_none())
     }
 
-    fn terms(&self) -> &[Term<R>] {
-        self.terms.get(..self.used).unwrap_or(&[])
+    fn terms(&self) -> impl Iterator<Item = &Term<R>> {
+        self.terms.iter().take(self.used)
     }
 
     /// −1, 0 or 1: the direction of the reference.
@@ -181,8 +201,7 @@ impl<R: Fast> Compensator<R> {
     }
 
     fn loaded(&self, u: R, v: R) -> R {
-        let direction = self.direction(v);
-        self.terms().iter().fold(u, |u, term| term.with_load_friction(u, direction))
+        self.load.with_load_friction(u, self.direction(v))
     }
 
     /// The command that makes the drive path hand on `u`; `u` itself when switched off.
@@ -192,7 +211,7 @@ impl<R: Fast> Compensator<R> {
             return u;
         }
         // The last of the drive path is undone first.
-        self.terms().iter().rev().fold(u, |u, term| term.inverse(u, v))
+        self.path.iter().take(self.path_used).rev().fold(u, |u, term| term.inverse(u, v))
     }
 }
 

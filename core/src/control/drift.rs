@@ -6,11 +6,17 @@
 //! taken only where the axis moves one way and has done so for five 1/ωo. The first blocks of either direction teach
 //! mean and scale (the calibrated stretch); later ones, in units of that scale and cut at ±4, feed per direction of motion
 //!
-//!     g+ = max(0, g+ + z − k)      g− = max(0, g− − z − k)      alarm at g > h
+//! ```text
+//! g+ = max(0, g+ + z − k)      g− = max(0, g− − z − k)      alarm at g > h
+//! ```
 //!
 //! (Page's cumulative sum, 1954). Because z is cut, no single block raises an alarm.
 
-use super::compensator::{Compensator, CompensatorError};
+mod settings;
+
+pub use settings::{DriftError, DriftSettings};
+
+use super::compensator::Compensator;
 use super::fast::Fast;
 use crate::plant::Base;
 use crate::plant::effect::Effect;
@@ -19,51 +25,6 @@ use crate::plant::effect::Effect;
 pub const BINS: usize = 16;
 /// Largest |z| that a block may count for.
 const CUT: f64 = 4.0;
-
-/// Settings of the watch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriftSettings {
-    /// ωo, rad/s; several times the motion's own frequencies, well below 1/Ts.
-    pub bandwidth_rad_s: f64,
-    /// Speed below which the axis counts as resting, X/s; > 0.
-    pub rest_speed: f64,
-    /// Blocks of either direction that teach mean and scale; at least 8.
-    pub calibration: u32,
-    /// k: what a block may be off, in units of the scale; > 0.
-    pub slack: f64,
-    /// h: the alarm's level; > 0.
-    pub threshold: f64,
-    /// Smallest scale, drive units: a residual that happened to be still in the calibrated stretch must not make the
-    /// watch nervous.
-    pub smallest_scale: f64,
-}
-
-impl DriftSettings {
-    /// Settings for a model with Coulomb friction `f1` (drive units) followed at ωo: slack 1, alarm at 12 (Gaussian
-    /// blocks: one false alarm in 10¹¹ of them), 64 blocks of calibration, a scale of 2 % of f1 at least.
-    pub const fn usual(bandwidth_rad_s: f64, rest_speed: f64, f1: f64) -> Self {
-        Self { bandwidth_rad_s, rest_speed, calibration: 64, slack: 1.0, threshold: 12.0, smallest_scale: 0.02 * f1 }
-    }
-}
-
-/// Why a watch is refused; names the parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DriftError {
-    /// The model.
-    Model(CompensatorError),
-    /// The tick is not finite and positive.
-    Tick,
-    /// ωo is not positive or above 1/(2·Ts).
-    Bandwidth,
-    /// The rest speed is not finite and positive.
-    RestSpeed,
-    /// Fewer than 8 blocks of calibration.
-    Calibration,
-    /// Slack or threshold is not finite and positive.
-    Threshold,
-    /// The smallest scale is not finite and positive.
-    Scale,
-}
 
 /// Which way the missing force acts, against the motion it was found in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -313,7 +274,9 @@ impl<R: Fast> DriftWatch<R> {
             bin += 1;
             edge += width;
         }
-        side.bins[bin] += self.per_memory * (z - side.bins[bin]);
+        if let Some(of_late) = side.bins.get_mut(bin) {
+            *of_late += self.per_memory * (z - *of_late);
+        }
         let up = side.up.add(z - self.slack, off);
         let down = side.down.add(-z - self.slack, off);
         if up <= self.threshold && down <= self.threshold {
@@ -322,11 +285,11 @@ impl<R: Fast> DriftWatch<R> {
         let pushes = up > self.threshold;
         let found = if pushes { side.up } else { side.down };
         let force = found.residual / R::from_i32((found.blocks.min(1 << 20) as i32).max(1));
-        let mut worst = bin;
-        for (i, value) in side.bins.iter().enumerate() {
-            let more = if pushes { *value > side.bins[worst] } else { *value < side.bins[worst] };
-            if more {
-                worst = i;
+        let (mut worst, mut most) = (bin, R::ZERO);
+        for (i, of_late) in side.bins.iter().enumerate() {
+            let pushed = if pushes { *of_late } else { -*of_late };
+            if pushed > most {
+                (worst, most) = (i, pushed);
             }
         }
         let position = state.low + width * R::from_i32(worst as i32) + (width * self.half());

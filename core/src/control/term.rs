@@ -69,11 +69,7 @@ impl<R: Fast> Term<R> {
             Kind::PositionFriction => {
                 Self::Wave { amplitude: real(f1 * p[0]), turns: real(p[1] * TURNS_PER_RADIAN), phase: real(turn(p[2])) }
             }
-            Kind::LoadFriction => {
-                // At k = 1 no drive moves the axis: the inverse is bounded.
-                let inverse = |x: f64| if x > 0.05 { 1.0 / x } else { 20.0 };
-                Self::Load { with: real(inverse(1.0 - p[0])), against: real(inverse(1.0 + p[0])) }
-            }
+            Kind::LoadFriction => Self::load(p[0]),
             Kind::DeadZone => {
                 // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long
                 // as the band is below the break-away force the axis rests there anyway.
@@ -88,6 +84,12 @@ impl<R: Fast> Term<R> {
             }
             _ => return None,
         })
+    }
+
+    /// Friction `k·|u|`. At k = 1 no drive moves the axis: the inverse is bounded.
+    pub fn load(k: f64) -> Self {
+        let inverse = |x: f64| R::from_f64(if x > 0.05 { 1.0 / x } else { 20.0 });
+        Self::Load { with: inverse(1.0 - k), against: inverse(1.0 + k) }
     }
 
     /// Adds the term to the balance of forces along the reference.

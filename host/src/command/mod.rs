@@ -16,6 +16,8 @@ pub mod recording_args;
 pub mod run;
 pub mod simulate;
 pub mod sinefit;
+pub mod track;
+pub mod tune;
 pub mod virtual_board;
 
 use std::process::ExitCode;
@@ -62,6 +64,10 @@ pub enum Command {
     Monitor(monitor::Args),
     /// Ask and command a board: identity, settings, model, faults
     Device(device::Args),
+    /// Follow a reference in closed loop, with and without compensation side by side
+    Track(track::Args),
+    /// Tune a controller from a model: PID gains, compensator, adaptive start values, margins
+    Tune(tune::Args),
 }
 
 /// A combination of arguments that makes no sense: exit code 2, as for those clap refuses itself.
@@ -84,6 +90,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Capture(args) => args.run(output),
         Command::Monitor(args) => args.run(output),
         Command::Device(args) => args.run(output),
+        Command::Track(args) => args.run(output),
+        Command::Tune(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

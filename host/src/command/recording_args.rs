@@ -90,3 +90,14 @@ pub fn finite(text: &str) -> Result<f64, String> {
         _ => Err("expected a number".to_owned()),
     }
 }
+
+/// A finite number that is not negative, for clap.
+///
+/// # Errors
+/// A message for the user.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        _ => Err("expected a number, 0 or more".to_owned()),
+    }
+}

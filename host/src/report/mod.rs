@@ -14,3 +14,4 @@ pub mod identification;
 pub mod json;
 pub mod page;
 pub mod text;
+pub mod tracking;

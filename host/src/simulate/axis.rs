@@ -79,6 +79,26 @@ impl Axis {
     /// Ranges of the experiment; a simulation that diverges.
     pub fn run(&mut self, experiment: &Experiment) -> Result<Run, SimulateError> {
         experiment.check()?;
+        let mut controller = Controller::new(experiment)?;
+        let reference = experiment.excitation.reference();
+        let tick_s = experiment.tick_s;
+        self.run_with(experiment, |k, reading| {
+            let local = k as f64 * tick_s;
+            controller.drive(local, reference.at(local) - reading, tick_s)
+        })
+    }
+
+    /// Runs under a controller of the caller's: `control` makes a drive of the tick's number and the reading relative to
+    /// the start. Of the experiment its clock, limits, sensor and seed are used, not its excitation.
+    ///
+    /// # Errors
+    /// Ranges of the experiment; a simulation that diverges, or a drive that is no number.
+    pub fn run_with(
+        &mut self,
+        experiment: &Experiment,
+        mut control: impl FnMut(usize, f64) -> f64,
+    ) -> Result<Run, SimulateError> {
+        experiment.check()?;
         let Sensor { encoder_step, noise, delay_ticks } = experiment.sensor;
         let mut rng = ChaCha8Rng::seed_from_u64(experiment.seed);
         let gauss = Normal::new(0.0, noise).map_err(|_| SimulateError::Range {
@@ -89,8 +109,6 @@ impl Axis {
         let ts = experiment.tick_s;
         let n = experiment.samples();
         let start = self.position();
-        let mut controller = Controller::new(experiment)?;
-        let reference = experiment.excitation.reference();
         let (mut t, mut u, mut x, mut true_x) =
             (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut queue = std::collections::VecDeque::from(vec![0.0; delay_ticks]);
@@ -106,10 +124,7 @@ impl Axis {
             let clean = plant.measured(position);
             let noisy = clean + gauss.sample(&mut rng);
             let reading = if encoder_step > 0.0 { (noisy / encoder_step).round() * encoder_step } else { noisy };
-            let local = k as f64 * ts;
-            let command = controller
-                .drive(local, reference.at(local) - (reading - start), ts)
-                .clamp(-experiment.drive_limit, experiment.drive_limit);
+            let command = control(k, reading - start).clamp(-experiment.drive_limit, experiment.drive_limit);
             if !command.is_finite() {
                 return Err(SimulateError::Diverged { experiment: experiment.name.clone(), t: self.t });
             }

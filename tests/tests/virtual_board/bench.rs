@@ -8,8 +8,8 @@ use breakaway::device::Client;
 use breakaway::device::virtual_board::{Fault, Machine, Options, Seen, VirtualBoard};
 use breakaway::model::Model;
 use breakaway_core::link::{
-    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Info, Message, Mode, Reference, Relay,
-    Reply, Sample, Settings,
+    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Info, Message, Mode, Reference,
+    Relay, Reply, Sample, Settings,
 };
 
 pub const TICK_HZ: u32 = 1000;
@@ -144,7 +144,11 @@ impl Bench {
                 quiet += 1;
             } else {
                 (quiet, last_driven) = (0, Some(now));
-                assert!(now.tick - first.tick <= ticks, "{fault:?}: still driven after {} ticks", now.tick - first.tick);
+                assert!(
+                    now.tick - first.tick <= ticks,
+                    "{fault:?}: still driven after {} ticks",
+                    now.tick - first.tick
+                );
             }
             // The host goes on saying that it is there.
             while self.client.receive(Duration::ZERO).is_ok_and(|message| {

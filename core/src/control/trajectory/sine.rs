@@ -1,0 +1,45 @@
+//! A sine.
+
+use super::{Setpoint, TrajectoryError, check_tick};
+use crate::control::fast::Fast;
+use crate::estimate::nco::Nco;
+
+/// `x = A·sin ωt`, from the middle; the velocity at t = 0 is Aω.
+#[derive(Clone, Copy, Debug)]
+pub struct Sine<R> {
+    /// Phase advance per tick, 2⁻³² turns.
+    word: u32,
+    /// A, Aω, −Aω².
+    scale: [R; 3],
+    /// A quarter of a turn.
+    quarter: R,
+}
+
+impl<R: Fast> Sine<R> {
+    /// A sine of peak `amplitude` (X) at `frequency_hz`, 0 < f < half the tick rate. The frequency is rounded to a
+    /// multiple of 2⁻³² of the tick rate.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] names the parameter.
+    pub fn new(amplitude: f64, frequency_hz: f64, tick_s: f64) -> Result<Self, TrajectoryError> {
+        check_tick(tick_s)?;
+        if !amplitude.is_finite() {
+            return Err(TrajectoryError::Distance);
+        }
+        let nco = Nco::new(core::f64::consts::TAU * frequency_hz, tick_s).map_err(|_| TrajectoryError::Frequency)?;
+        let w = nco.radians_per_sample() / tick_s;
+        Ok(Self {
+            word: nco.word(),
+            scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64),
+            quarter: R::from_f64(0.25),
+        })
+    }
+
+    /// The reference at tick `k`; it repeats without end.
+    pub fn at(&self, k: u32) -> Setpoint<R> {
+        let turns = R::from_phase(self.word.wrapping_mul(k));
+        let sin = turns.sin_turns();
+        let cos = (turns + self.quarter).sin_turns();
+        Setpoint { x: self.scale[0] * sin, v: self.scale[1] * cos, a: self.scale[2] * sin }
+    }
+}

@@ -1,0 +1,256 @@
+//! `breakaway track`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use breakaway_core::control::Controller;
+use serde::Serialize;
+
+use super::output::Output;
+use super::progress;
+use super::recording_args::{not_negative, positive};
+use super::tune::TuneArgs;
+use crate::control::design::Design;
+use crate::control::reference::Reference;
+use crate::control::tracking::{Bench, Tracked, track};
+use crate::file::write_whole;
+use crate::model::Model;
+use crate::recording::Units;
+use crate::report::tracking;
+
+/// Follow a reference in closed loop, with and without compensation side by side, on the simulated plant
+#[derive(clap::Args, Debug)]
+#[command(after_help = "Example:
+  breakaway track --model model.toml --reference sine:1,0.25 --report track.html
+  breakaway track --model identified.toml --plant true.toml --reference trapezoid:2,4,40 -o runs
+
+The controller is the one that runs on the board, in its number type (f32). Followed are: the PID alone; the PID with
+the base model (b, c, f1) compensated; with the whole model compensated, if it has effects; and the adaptive law. The
+simulated plant is --plant, or the model itself. Errors are against the true position, counted from --settle on.
+
+A reference from a file must be smooth: its second difference is the acceleration that compensation applies, and a
+recorded encoder is not.
+
+JSON: reference, plant, tick_s, duration_s, settle_s, runs (name, rms, peak, rms_steps, drive_rms, saturated), improvement (PID
+alone over the whole model), units.")]
+pub struct Args {
+    /// The model to compensate and to tune from
+    #[arg(long, value_name = "M.toml")]
+    pub model: PathBuf,
+    /// The controller [default: tuned from the model]
+    #[arg(long, value_name = "C.toml")]
+    pub controller: Option<PathBuf>,
+    /// What to follow: sine:A,HZ, trapezoid:D,V,A[,REST], s_curve:D,V,A,J[,REST] or a FILE.csv
+    #[arg(long, value_name = "REF", default_value = "sine:1,0.5")]
+    pub reference: String,
+    /// The plant to simulate [default: the model]
+    #[arg(long, value_name = "TRUE.toml")]
+    pub plant: Option<PathBuf>,
+    /// How long to follow, s [default: ten periods, four strokes, the file]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub duration: Option<f64>,
+    /// Time at the beginning that errors do not count, s [default: a fifth]
+    #[arg(long, value_name = "S", value_parser = not_negative)]
+    pub settle: Option<f64>,
+    /// Standard deviation of the simulated position noise, position units
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative)]
+    pub noise: f64,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for recordings and the figure
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write the report to this file
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+    /// Tuning, unless a controller is given.
+    #[command(flatten)]
+    pub tuning: TuneArgs,
+}
+
+/// A tracked reference under its name.
+#[derive(Debug)]
+pub struct Case {
+    /// Short name, for files and JSON.
+    pub name: &'static str,
+    /// Name for a reader.
+    pub title: &'static str,
+    /// What came of it.
+    pub tracked: Tracked,
+}
+
+#[derive(Debug, Serialize)]
+struct Document {
+    reference: String,
+    plant: String,
+    tick_s: f64,
+    duration_s: f64,
+    settle_s: f64,
+    runs: Vec<Row>,
+    improvement: f64,
+    units: UnitsRow,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    name: &'static str,
+    rms: f64,
+    peak: f64,
+    /// In encoder steps; absent without an encoder.
+    rms_steps: Option<f64>,
+    drive_rms: f64,
+    /// Share of the ticks.
+    saturated: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct UnitsRow {
+    u: String,
+    x: String,
+}
+
+impl Args {
+    /// Tunes, follows, prints, writes recordings and report.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written; a loop that cannot be tuned or diverges.
+    pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let model = Model::read(&self.model)?;
+        let plant = self.plant.as_deref().map(Model::read).transpose()?;
+        let plant_name =
+            self.plant.as_ref().map_or_else(|| "the model itself".into(), |path| path.display().to_string());
+        let plant = plant.unwrap_or_else(|| model.clone());
+        let design = match &self.controller {
+            Some(path) => Design::read(path)?,
+            None => Design::new(&model, &self.tuning.request()).with_context(|| self.model.display().to_string())?,
+        };
+        let reference: Reference = self.reference.parse()?;
+        let duration = match self.duration {
+            Some(duration) => duration,
+            None => reference.duration_s(design.tick_s)?,
+        };
+        let ticks = (duration / design.tick_s).round().clamp(8.0, 1e8) as usize;
+        let points = reference.points::<f32>(design.tick_s, ticks)?;
+        let settle = self.settle.unwrap_or(0.2 * duration);
+        let from = (settle / design.tick_s).round() as usize;
+        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
+        let bench = Bench {
+            tick_s: design.tick_s,
+            delay_ticks: design.delay_ticks,
+            encoder_step: self.tuning.encoder_step,
+            noise: self.noise,
+            drive_limit: design.drive_limit,
+            seed: self.seed,
+        };
+        let controllers = controllers(&design, &model)?;
+        let bar = progress::bar("loops", controllers.len() as u64);
+        let mut cases = Vec::new();
+        for (name, title, controller) in controllers {
+            let tracked = track(&plant, &controller, &points, &bench, from).with_context(|| title.to_owned())?;
+            cases.push(Case { name, title, tracked });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let page = tracking::Story {
+            cases: &cases,
+            reference: &reference.to_string(),
+            plant: &plant_name,
+            units: &model.units,
+            bench: &bench,
+        };
+        if let Some(folder) = &self.output {
+            write_all(folder, &cases, &page)?;
+        }
+        if let Some(path) = &self.report {
+            let html = tracking::html(&page);
+            write_whole(path, |out| out.write_all(html.as_bytes()))
+                .with_context(|| format!("cannot write the report {}", path.display()))?;
+        }
+        let rows = cases.iter().map(|case| row(case, &bench)).collect::<Vec<_>>();
+        let compensated =
+            cases.iter().rfind(|case| case.name != "adaptive").map_or(f64::NAN, |case| case.tracked.rms());
+        let document = Document {
+            reference: reference.to_string(),
+            plant: plant_name.clone(),
+            tick_s: design.tick_s,
+            duration_s: ticks as f64 * design.tick_s,
+            settle_s: settle,
+            improvement: cases[0].tracked.rms() / compensated,
+            runs: rows,
+            units: UnitsRow { u: model.units.u.clone(), x: model.units.x.clone() },
+        };
+        output.print(&document, |document| table(document, &cases, &model.units))
+    }
+}
+
+fn row(case: &Case, bench: &Bench) -> Row {
+    let rms = case.tracked.rms();
+    Row {
+        name: case.name,
+        rms,
+        peak: case.tracked.peak(),
+        rms_steps: (bench.encoder_step > 0.0).then(|| rms / bench.encoder_step),
+        drive_rms: case.tracked.drive_rms(),
+        saturated: case.tracked.saturated as f64 / case.tracked.error.len().max(1) as f64,
+    }
+}
+
+/// The laws that are compared, in the order in which they are shown.
+///
+/// # Errors
+/// What the core refuses.
+pub fn controllers(
+    design: &Design,
+    model: &Model,
+) -> anyhow::Result<Vec<(&'static str, &'static str, Controller<f32>)>> {
+    let effects = model.plant_effects()?;
+    let pid = Design { adaptive: false, compensate: false, ..design.clone() };
+    let compensated = Design { compensate: true, ..pid.clone() };
+    let mut all = vec![
+        ("pid", "PID alone", pid.controller_for(&model.base, &[])?),
+        ("base", "base model compensated", compensated.controller_for(&model.base, &[])?),
+    ];
+    if !effects.is_empty() {
+        all.push(("model", "whole model compensated", compensated.controller_for(&model.base, &effects)?));
+    }
+    let adaptive = Design { adaptive: true, ..compensated };
+    all.push(("adaptive", "adaptive law", adaptive.controller_for(&model.base, &effects)?));
+    Ok(all)
+}
+
+fn write_all(folder: &Path, cases: &[Case], story: &tracking::Story<'_>) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for case in cases {
+        case.tracked.recording.write(&folder.join(format!("{}.csv", case.name)))?;
+    }
+    let path = folder.join("error.svg");
+    let figure = tracking::errors(story).file();
+    write_whole(&path, |out| out.write_all(figure.as_bytes()))
+        .with_context(|| format!("cannot write the figure {}", path.display()))
+}
+
+fn table(document: &Document, cases: &[Case], units: &Units) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "{} on {} for {:.4} s at a tick of {} s; errors from {:.4} s on, in {}:",
+        document.reference, document.plant, document.duration_s, document.tick_s, document.settle_s, units.x
+    );
+    let _ = writeln!(text, "{:<26}{:>12}{:>12}{:>14}{:>12}", "", "rms", "peak", "encoder steps", "saturated");
+    for (row, case) in document.runs.iter().zip(cases) {
+        let steps = row.rms_steps.map_or_else(|| "–".into(), |steps| format!("{steps:.2}"));
+        let _ = writeln!(
+            text,
+            "{:<26}{:>12.3e}{:>12.3e}{steps:>14}{:>10.1} %",
+            case.title,
+            row.rms,
+            row.peak,
+            100.0 * row.saturated
+        );
+    }
+    let _ = writeln!(text, "compensation divides the rms of the PID alone by {:.1}", document.improvement);
+    text
+}

@@ -1,0 +1,146 @@
+//! A controller from a model: gains, compensator, starting values of the adaptive law.
+
+use breakaway_core::control::{
+    Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, largest_bandwidth_hz, margins,
+    tune,
+};
+use breakaway_core::plant::{Base, Effect};
+
+use super::ControlError;
+use crate::model::Model;
+
+/// What a controller is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Control tick, s.
+    pub tick_s: f64,
+    /// Ticks from reading a position to applying the drive computed from it.
+    pub delay_ticks: u32,
+    /// Open-loop crossover, Hz; by default [`DEFAULT_SHARE`] of the largest.
+    pub bandwidth_hz: Option<f64>,
+    /// Largest |drive|; infinite for none.
+    pub drive_limit: f64,
+    /// Encoder step, X; 0 where it is not known.
+    pub encoder_step: f64,
+    /// Largest speed of the references, X/s.
+    pub speed: f64,
+    /// Largest acceleration of the references, X/s².
+    pub acceleration: f64,
+    /// How fast the adaptive law adapts, rad/s.
+    pub adaptation_rate: f64,
+}
+
+/// The default bandwidth over the largest that tick and delay allow: room for a model that is a factor of two off.
+pub const DEFAULT_SHARE: f64 = 0.25;
+
+/// A controller, all of it: what `breakaway tune` writes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// Control tick, s.
+    pub tick_s: f64,
+    /// Ticks of delay.
+    pub delay_ticks: u32,
+    /// Largest |drive|.
+    pub drive_limit: f64,
+    /// Error within which the PID's integral rests at standstill, X.
+    pub rest_band: f64,
+    /// Gains of the PID and of the adaptive law.
+    pub gains: Gains,
+    /// How far ahead the compensator looks, s.
+    pub lead_s: f64,
+    /// Speed up to which a reference counts as resting, X/s.
+    pub rest_speed: f64,
+    /// Whether the compensator is on.
+    pub compensate: bool,
+    /// Start of the adaptive law.
+    pub start: Estimates<f64>,
+    /// Its gains.
+    pub adaptation: Adaptation,
+    /// Whether the adaptive law is used in place of the PID.
+    pub adaptive: bool,
+    /// The model behind it.
+    pub model: Model,
+}
+
+impl Design {
+    /// Tunes a controller for a model. The compensator is off until it is switched on.
+    ///
+    /// # Errors
+    /// A bandwidth or an adaptation rate past what tick and delay allow, with the largest that is not.
+    pub fn new(model: &Model, request: &Request) -> Result<Self, ControlError> {
+        let Base { b, c, f1 } = model.base;
+        let Request { tick_s, delay_ticks, drive_limit, encoder_step, speed, acceleration, .. } = *request;
+        let largest = largest_bandwidth_hz(b, c, tick_s, delay_ticks);
+        let gains = tune(b, c, request.bandwidth_hz.unwrap_or(DEFAULT_SHARE * largest), tick_s, delay_ticks)?;
+        // The filtered difference of an encoder jumps by a step over the filter's time.
+        let rate_step = encoder_step / (gains.filter_s + tick_s);
+        let start = Estimates { b, c, f1, f: 0.0 };
+        let delta = (2.0 * rate_step).max(1e-3 * speed).max(1e-12);
+        let design = Self {
+            tick_s,
+            delay_ticks,
+            drive_limit,
+            rest_band: encoder_step,
+            gains,
+            lead_s: (f64::from(delay_ticks) + 0.5) * tick_s,
+            rest_speed: 0.0,
+            compensate: false,
+            start,
+            adaptation: Adaptation::normalised(&start, request.adaptation_rate, speed, acceleration, delta),
+            adaptive: false,
+            model: model.clone(),
+        };
+        // Both laws are checked, as the file holds both.
+        design.controller::<f64>()?;
+        Self { adaptive: true, ..design.clone() }.controller::<f64>()?;
+        Ok(design)
+    }
+
+    /// The margins of the loop; `None` if it never crosses unit gain.
+    pub fn margins(&self) -> Option<Margins> {
+        let Base { b, c, .. } = self.model.base;
+        margins(&self.gains, b, c, self.tick_s, self.delay_ticks)
+    }
+
+    /// The largest bandwidth that tick and delay allow, Hz.
+    pub fn largest_bandwidth_hz(&self) -> f64 {
+        let Base { b, c, .. } = self.model.base;
+        largest_bandwidth_hz(b, c, self.tick_s, self.delay_ticks)
+    }
+
+    /// The controller as a tick takes it.
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn controller<R: Fast>(&self) -> Result<Controller<R>, ControlError> {
+        let effects = self.model.plant_effects().map_err(|error| ControlError::Tuning(error.to_string()))?;
+        self.controller_for(&self.model.base, &effects)
+    }
+
+    /// The same law beside the compensator of another model.
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn controller_for<R: Fast>(
+        &self,
+        base: &Base<f64>,
+        effects: &[Effect<f64>],
+    ) -> Result<Controller<R>, ControlError> {
+        let law = if self.adaptive {
+            let law = Adaptive::new(
+                &self.gains,
+                &self.adaptation,
+                &self.start,
+                self.tick_s,
+                self.delay_ticks,
+                self.drive_limit,
+            )?;
+            Controller::adaptive(law)
+        } else {
+            let pid = Pid::with_delay(&self.gains, self.tick_s, self.delay_ticks, self.drive_limit)?;
+            Controller::pid(pid.with_rest_band(self.rest_band))
+        };
+        let compensator = Compensator::new(base, effects)?.with_lead(self.lead_s)?.with_rest_speed(self.rest_speed);
+        Ok(law.with_compensator(if self.compensate { compensator.on() } else { compensator }))
+    }
+}
