@@ -8,7 +8,7 @@ use breakaway::device::Client;
 use breakaway::device::virtual_board::{Fault, Machine, Options, Seen, VirtualBoard};
 use breakaway::model::Model;
 use breakaway_core::link::{
-    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Info, Message, Mode, Reference, Relay,
+    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Message, Mode, Reference, Relay,
     Reply, Sample, Settings,
 };
 
@@ -58,7 +58,6 @@ pub fn relay(h1: f64, h2: f64, ticks: u32) -> Relay {
 pub struct Bench {
     pub board: VirtualBoard,
     pub client: Client,
-    pub info: Info,
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
 }
@@ -71,8 +70,8 @@ impl Bench {
     }
 
     pub fn on(board: VirtualBoard) -> Self {
-        let (client, info) = Client::connect(&board.port, BAUD).unwrap_or_else(|error| panic!("{error}"));
-        Self { board, client, info, samples: Vec::new(), events: Vec::new() }
+        let (client, _) = Client::connect(&board.port, BAUD).unwrap_or_else(|error| panic!("{error}"));
+        Self { board, client, samples: Vec::new(), events: Vec::new() }
     }
 
     pub fn done(&mut self, command: Command) {
@@ -120,6 +119,17 @@ impl Bench {
         match self.client.request(Command::GetFault).unwrap() {
             Reply::Fault(fault) => fault,
             other => panic!("{other:?}"),
+        }
+    }
+
+    /// Resets the board by command, and waits until it is up again.
+    pub fn reboot(&mut self) {
+        let starts = self.board.seen().unwrap().starts;
+        self.done(Command::Reboot);
+        let begin = Instant::now();
+        while self.board.seen().unwrap().starts == starts {
+            assert!(begin.elapsed() < Duration::from_secs(20), "the board does not come back");
+            std::thread::sleep(Duration::from_millis(5));
         }
     }
 

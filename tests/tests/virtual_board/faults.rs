@@ -2,7 +2,6 @@
 //! lost.
 
 use std::io::Write;
-use std::time::Duration;
 
 use breakaway::device::virtual_board::Fault;
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
@@ -29,8 +28,7 @@ fn an_encoder_that_jumps_and_one_that_dies() {
     assert!(record.value > 4900 && record.limit == 1000, "{record:?}");
     // It survives a reset, and nothing runs before it is cleared.
     bench.board.inject(Fault::Healed);
-    bench.done(Command::Reboot);
-    std::thread::sleep(Duration::from_millis(300));
+    bench.reboot();
     assert_eq!(bench.fault(), Some(record));
     assert_eq!(bench.board.seen().unwrap().starts, 2);
     assert!(bench.client.done(Command::StartRelay(relay(2.0, 1.5, 10))).is_err());

@@ -71,7 +71,7 @@ impl Guards {
 
     /// Ticks as milliseconds, for reports.
     pub(super) fn ms(&self, ticks: u32) -> i32 {
-        i32::try_from(u64::from(ticks) * 1000 / u64::from(self.tick_hz)).unwrap_or(i32::MAX)
+        i32::try_from(u64::from(ticks) * 1000 / u64::from(self.tick_hz.max(1))).unwrap_or(i32::MAX)
     }
 
     /// Counts in 16 ticks as counts per second, for reports.

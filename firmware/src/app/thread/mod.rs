@@ -188,7 +188,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             // What a run recorded comes before its end.
             if let TickEvent::Ended(ended) = event {
                 let missing = ended.tick.wrapping_sub(self.last.tick).cast_signed();
-                if missing > 0 && !self.channels.samples.is_empty() {
+                if missing > 0 && self.channels.samples.ready() {
                     return;
                 }
             }

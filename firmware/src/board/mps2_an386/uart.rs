@@ -35,6 +35,8 @@ impl Uart {
         uart.write_register(BAUDDIV, 16);
         // Transmitter and receiver on.
         uart.write_register(CTRL, 3);
+        // A byte from before the reset is nobody's; and QEMU listens to its end of the line only once it was read here.
+        uart.read_register(DATA);
         uart
     }
 
