@@ -18,11 +18,11 @@ const RATCHET: f64 = 1.03;
 /// Instructions are counted by QEMU: each takes 2¹⁰ ns of its time, so that SysTick resolves them.
 const ICOUNT: &str = "shift=10,sleep=off";
 
-/// What may not be exceeded, whatever was recorded (name, limit, unit).
-const LIMITS: [(&str, u64, &str); 4] = [
+/// What may not be exceeded, whatever was recorded (name, limit, unit). Flash has no limit here: the virtual board's image
+/// is optimised for speed, and 64 KiB are the flashable board's.
+const LIMITS: [(&str, u64, &str); 3] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),
-    ("flash_bytes", 64 * 1024, "bytes"),
     ("ram_bytes", 16 * 1024, "bytes"),
 ];
 

@@ -154,7 +154,11 @@ impl Bench {
                 quiet += 1;
             } else {
                 (quiet, last_driven) = (0, Some(now));
-                assert!(now.tick - first.tick <= ticks, "{fault:?}: still driven after {} ticks", now.tick - first.tick);
+                assert!(
+                    now.tick - first.tick <= ticks,
+                    "{fault:?}: still driven after {} ticks",
+                    now.tick - first.tick
+                );
             }
             // The host goes on saying that it is there.
             while self.client.receive(Duration::ZERO).is_ok_and(|message| {

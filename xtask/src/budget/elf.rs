@@ -52,7 +52,8 @@ pub fn integers_only(file: &Path) -> Result<()> {
 /// names (`__addsf3`, …).
 fn is_float(name: &str) -> bool {
     let aeabi = name.strip_prefix("__aeabi_").is_some_and(|rest| {
-        let converts = ["i2f", "i2d", "ui2f", "ui2d", "l2f", "l2d", "ul2f", "ul2d", "cfcmp", "cdcmp", "cfrcmp", "cdrcmp"];
+        let converts =
+            ["i2f", "i2d", "ui2f", "ui2d", "l2f", "l2d", "ul2f", "ul2d", "cfcmp", "cdcmp", "cfrcmp", "cdrcmp"];
         rest.starts_with(['f', 'd']) || converts.iter().any(|prefix| rest.starts_with(prefix))
     });
     aeabi || ["sf2", "sf3", "df2", "df3", "sisf", "sidf", "disf", "didf"].iter().any(|end| name.ends_with(end))
@@ -68,10 +69,20 @@ mod tests {
 
     #[test]
     fn floats_and_panics_are_known_by_their_names() {
-        for bad in ["__aeabi_fadd", "__aeabi_dmul", "__aeabi_i2f", "__aeabi_ul2d", "__aeabi_cdcmple", "__addsf3", "__floatsidf"] {
+        for bad in [
+            "__aeabi_fadd",
+            "__aeabi_dmul",
+            "__aeabi_i2f",
+            "__aeabi_ul2d",
+            "__aeabi_cdcmple",
+            "__addsf3",
+            "__floatsidf",
+        ] {
             assert!(is_float(bad), "{bad}");
         }
-        for good in ["__aeabi_uidiv", "__aeabi_uldivmod", "__aeabi_lmul", "__aeabi_memcpy", "__aeabi_llsl", "integer_tick"] {
+        for good in
+            ["__aeabi_uidiv", "__aeabi_uldivmod", "__aeabi_lmul", "__aeabi_memcpy", "__aeabi_llsl", "integer_tick"]
+        {
             assert!(!is_float(good) && !is_panic(good), "{good}");
         }
         assert!(is_panic("_ZN4core9panicking9panic_fmt17h0E"));

@@ -86,6 +86,7 @@ pub struct App<'q, 'a, P: Planner, W, S> {
 impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     /// Settings and model as `loaded` from the store (see [`guards`] for the tick's start); `sums` is lent to the tick
     /// during relay experiments.
+    #[inline(never)]
     pub fn new(
         channels: AppEnd<'q, 'a, P::Plan>,
         planner: P,
@@ -149,6 +150,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         let _ = self.channels.orders.enqueue(Order::Fault(record));
     }
 
+    #[inline(never)]
     fn take_samples(&mut self) {
         // Samples that do not fit the wire now wait in their queue, as long as there is room for new ones.
         while self.stream.ready() || self.channels.samples.len() > self.channels.samples.capacity() / 2 {
@@ -183,6 +185,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         }
     }
 
+    #[inline(never)]
     fn take_events(&mut self) {
         while let Some(event) = self.channels.events.peek() {
             // What a run recorded comes before its end.
@@ -238,6 +241,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         self.outbox.reply(id, Reply::Done);
     }
 
+    #[inline(never)]
     fn receive(&mut self) {
         let mut bytes = [0; READ_BYTES];
         if self.unread.is_empty() {
