@@ -5,9 +5,12 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_core::link::{
-        Bounds, Command, FULL_SCALE_CODE, MAX_FRAME, Reference, Relay, Request, Settings, encode,
+        Adaptive, Bounds, Command, Controller, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay, Request,
+        Settings, Track, Trajectory, encode,
     };
-    use breakaway_firmware::app::{App, Channels, Identity, NoController, Sums, Tick, TickSettings, guards};
+    use breakaway_firmware::app::{
+        App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
+    };
     use breakaway_firmware::board::mps2_an386::{Next, SimulatedFlash, Virtual};
     use breakaway_firmware::board::{Board, Encoder, Retained, Wire};
     use breakaway_firmware::storage::FlashStore;
@@ -151,6 +154,28 @@ mod image {
         })
     }
 
+    /// A model for the integer plant, in volts and radians of the settings: only its size matters here.
+    fn model() -> Model {
+        Model { b: 0.03, c: 0.1, f1: 0.5, effects: heapless::Vec::new() }
+    }
+
+    /// The adaptive law along a sine, with compensation.
+    fn adaptive() -> Command {
+        Command::StartTrack(Track {
+            trajectory: Trajectory::Sine { amplitude: 1.0, period_s: 2.0 },
+            controller: Controller::Adaptive(Adaptive {
+                kv: 50.0,
+                lambda1: 100.0,
+                lambda2: 50.0,
+                delta: 0.5,
+                rates: [0.5; 5],
+            }),
+            feed_forward: true,
+            compensation: true,
+            bounds: Bounds { max_ticks: 3000, ..Bounds::default() },
+        })
+    }
+
     #[entry]
     fn main() -> ! {
         paint();
@@ -173,19 +198,27 @@ mod image {
         };
         let loaded = store.load(settings);
         let timing = TickSettings::at_rate(TICK_HZ);
-        let channels = cortex_m::singleton!(: Channels<'static, core::convert::Infallible> = Channels::new());
+        let channels = cortex_m::singleton!(: Channels<'static, TrackPlan> = Channels::new());
         let (Some(channels), Some(sums)) = (channels, cortex_m::singleton!(: Option<Sums> = None)) else {
             panic!("taken twice");
         };
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
         let start = guards(&loaded.settings, &identity);
-        let mut tick = Tick::new(Virtual::default(), NoController, tick_end, timing, start);
+        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
-        let mut app = App::new(app_end, NoController, Line(&host), store, identity, loaded, sums);
+        let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);
         let mut plant = Plant::default();
         let (mut ticks, mut total, mut worst, mut idle) = (0_u32, 0_u64, 0, 0);
-        let commands = [relay(12_000, 9_000), relay(6_000, 6_500), Command::Identify, Command::Save];
+        let commands = [
+            relay(12_000, 9_000),
+            relay(6_000, 6_500),
+            Command::Identify,
+            Command::LoadModel(model()),
+            Command::Save,
+            adaptive(),
+        ];
+        let (mut tracked, mut track_total, mut track_worst) = (0_u32, 0_u64, 0);
         for (id, command) in commands.into_iter().enumerate() {
             let mut frame = [0; MAX_FRAME];
             let used = encode(&Request { id: id as u16, command }, &mut frame).unwrap_or(0);
@@ -198,14 +231,21 @@ mod image {
                 let code = tick.board().code();
                 let next = Next { count: Some(plant.advance(code)), late_us: 0, trip: None };
                 tick.board().next(&next, timing.period_us);
-                let running = tick.mode() == breakaway_core::link::Mode::Relay;
+                let before = tick.mode();
                 let spent = meter.instructions(|| tick.tick());
-                if running && tick.mode() == breakaway_core::link::Mode::Relay {
-                    ticks += 1;
-                    total += u64::from(spent);
-                    worst = worst.max(spent);
-                } else if !running {
-                    idle = idle.max(spent);
+                match (before, tick.mode()) {
+                    (Mode::Relay, Mode::Relay) => {
+                        ticks += 1;
+                        total += u64::from(spent);
+                        worst = worst.max(spent);
+                    }
+                    (Mode::Track, Mode::Track) => {
+                        tracked += 1;
+                        track_total += u64::from(spent);
+                        track_worst = track_worst.max(spent);
+                    }
+                    (Mode::Idle, _) => idle = idle.max(spent),
+                    _ => {}
                 }
                 app.poll();
             }
@@ -214,10 +254,13 @@ mod image {
         hprintln!("relay_ticks = {}", ticks);
         hprintln!("relay_tick_mean = {}", total / u64::from(ticks.max(1)));
         hprintln!("relay_tick_worst = {}", worst);
+        hprintln!("adaptive_ticks = {}", tracked);
+        hprintln!("adaptive_tick_mean = {}", track_total / u64::from(tracked.max(1)));
+        hprintln!("adaptive_tick_worst = {}", track_worst);
         hprintln!("idle_tick_worst = {}", idle);
         hprintln!("tick_bytes = {}", size_of_val(&tick));
         hprintln!("app_bytes = {}", size_of_val(&app));
-        hprintln!("channels_bytes = {}", size_of::<Channels<'static, core::convert::Infallible>>());
+        hprintln!("channels_bytes = {}", size_of::<Channels<'static, TrackPlan>>());
         hprintln!("sums_bytes = {}", size_of::<Sums>());
         hprintln!("stack_bytes = {}", high_water());
         debug::exit(debug::EXIT_SUCCESS);
