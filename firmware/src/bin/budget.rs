@@ -63,8 +63,8 @@ mod image {
             systick.clear_current();
             systick.enable_counter();
             let mut meter = Self { per_instruction_q8: 256, overhead: 0 };
-            let none = meter.counts(|| {});
-            let many = meter.counts(|| {
+            let none = Self::counts(|| {});
+            let many = Self::counts(|| {
                 // SAFETY: instructions that do nothing.
                 unsafe { core::arch::asm!(".rept 200", "nop", ".endr") }
             });
@@ -73,15 +73,15 @@ mod image {
             meter
         }
 
-        fn counts(&mut self, work: impl FnOnce()) -> u32 {
+        fn counts(work: impl FnOnce()) -> u32 {
             let before = SYST::get_current();
             work();
             let after = SYST::get_current();
             before.wrapping_sub(after) & RELOAD
         }
 
-        fn instructions(&mut self, work: impl FnOnce()) -> u32 {
-            let counts = self.counts(work).saturating_sub(self.overhead);
+        fn instructions(&self, work: impl FnOnce()) -> u32 {
+            let counts = Self::counts(work).saturating_sub(self.overhead);
             (counts * 256 + self.per_instruction_q8 / 2) / self.per_instruction_q8
         }
     }
@@ -182,7 +182,7 @@ mod image {
         let Some(peripherals) = Peripherals::take() else {
             panic!("taken twice");
         };
-        let mut meter = Meter::new(peripherals.SYST);
+        let meter = Meter::new(peripherals.SYST);
         Virtual::default().retained().write([0; 8]);
         let identity = Identity { board: "budget", build: "", tick_hz: TICK_HZ };
         let settings = Settings {
@@ -264,14 +264,18 @@ mod image {
         hprintln!("sums_bytes = {}", size_of::<Sums>());
         hprintln!("stack_bytes = {}", high_water());
         debug::exit(debug::EXIT_SUCCESS);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         hprintln!("{}", info);
         debug::exit(debug::EXIT_FAILURE);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 }
 

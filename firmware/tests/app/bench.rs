@@ -22,6 +22,7 @@ pub const STEP: f64 = 1e-3;
 pub const FULL_SCALE: f64 = 5.0;
 
 /// What is outside of the microcontroller, and what is wrong with it.
+#[allow(clippy::struct_excessive_bools, reason = "independent things that break")]
 pub struct World {
     pub plant: State<f64>,
     pub drive: i16,
@@ -248,6 +249,7 @@ impl Bench {
     }
 
     /// Sends a command and steps until it is answered.
+    #[allow(clippy::needless_pass_by_value, reason = "commands are written where they are sent")]
     pub fn command(&mut self, command: Command) -> Reply {
         let id = self.send(&command);
         for _ in 0..100 {
