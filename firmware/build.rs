@@ -7,10 +7,13 @@ fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let bare = std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none");
     if bare && std::env::var_os("CARGO_FEATURE_BOARD_MPS2_AN386").is_some() {
-        for bin in ["mps2-an386"] {
+        for bin in ["mps2-an386", "budget"] {
             println!("cargo:rustc-link-arg-bin={bin}=-T{folder}/src/board/mps2_an386/link.x");
         }
         println!("cargo:rerun-if-changed=src/board/mps2_an386/link.x");
+    }
+    if bare && std::env::var_os("CARGO_FEATURE_INTEGER_TICK").is_some() {
+        println!("cargo:rustc-link-arg-bin=integer-tick=--entry=integer_tick");
     }
     let hash = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).current_dir(&folder).output();
     let hash = hash.ok().filter(|output| output.status.success());

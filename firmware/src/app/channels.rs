@@ -4,14 +4,14 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use breakaway_core::estimate::sine::StreamingSine;
 use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultRecord, Sample, WaveformPart};
-use heapless::spsc::{Consumer, Producer, Queue};
+use heapless_spsc::spsc::{Consumer, Producer, Queue};
 
 use super::accumulate::{Accumulation, Sums};
 use super::guard::Guards;
 use super::run::RunOrder;
 
-/// Samples that wait for the thread; one less fits. 25 ms at 10 kHz.
-pub const SAMPLE_QUEUE: usize = 256;
+/// Samples that wait for the thread; one less fits. 12 ms at 10 kHz.
+pub const SAMPLE_QUEUE: usize = 128;
 /// Orders that wait for the tick, which takes one per tick.
 const ORDER_QUEUE: usize = 4;
 /// Events that wait for the thread. The tick holds back what finds no room.
@@ -66,20 +66,20 @@ pub struct Channels<'a, P> {
 
 /// The tick's end.
 pub struct TickEnd<'q, 'a, P> {
-    pub(super) orders: Consumer<'q, Order<'a, P>>,
-    pub(super) events: Producer<'q, TickEvent<'a>>,
-    pub(super) samples: Producer<'q, Sample>,
+    pub(super) orders: Consumer<'q, Order<'a, P>, ORDER_QUEUE>,
+    pub(super) events: Producer<'q, TickEvent<'a>, EVENT_QUEUE>,
+    pub(super) samples: Producer<'q, Sample, SAMPLE_QUEUE>,
     alive: &'q AtomicBool,
 }
 
 /// The thread's end.
 pub struct AppEnd<'q, 'a, P> {
     /// Orders to the tick.
-    pub orders: Producer<'q, Order<'a, P>>,
+    pub orders: Producer<'q, Order<'a, P>, ORDER_QUEUE>,
     /// Events from the tick.
-    pub events: Consumer<'q, TickEvent<'a>>,
+    pub events: Consumer<'q, TickEvent<'a>, EVENT_QUEUE>,
     /// Samples from the tick.
-    pub samples: Consumer<'q, Sample>,
+    pub samples: Consumer<'q, Sample, SAMPLE_QUEUE>,
     alive: &'q AtomicBool,
 }
 

@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use breakaway_core::link::{
-    Command, Decoder, Info, MAX_FRAME, Message, PROTOCOL_VERSION, Reply, Request, SCHEMA, Status, encode, peer_version,
+    Command, Decoder, Event, Info, MAX_FRAME, Message, PROTOCOL_VERSION, Reply, Request, SCHEMA, Status, encode, peer_version,
 };
 use serialport::SerialPort;
 
@@ -140,6 +140,8 @@ impl Client {
                     Ok(Incoming::Message(Message::Reply { id, reply: Reply::Info(info) }))
                         if (first..self.next_id).contains(&id) =>
                     {
+                        // That it has started is what we were waiting for, not news.
+                        self.waiting.retain(|message| !matches!(message, Message::Event(Event::Started)));
                         return Ok(info);
                     }
                     Ok(Incoming::Message(message)) => self.waiting.push_back(message),

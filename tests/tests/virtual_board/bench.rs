@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use breakaway::command::run::papers_plant;
 use breakaway::command::virtual_board::settings;
 use breakaway::device::Client;
-use breakaway::device::virtual_board::{Fault, Machine, Options, Seen, VirtualBoard};
+use breakaway::device::virtual_board::{Fault, Machine, Options, VirtualBoard};
 use breakaway::model::Model;
 use breakaway_core::link::{
-    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Info, Message, Mode, Reference,
-    Relay, Reply, Sample, Settings,
+    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Message, Mode, Reference, Relay,
+    Reply, Sample, Settings,
 };
 
 pub const TICK_HZ: u32 = 1000;
@@ -58,7 +58,6 @@ pub fn relay(h1: f64, h2: f64, ticks: u32) -> Relay {
 pub struct Bench {
     pub board: VirtualBoard,
     pub client: Client,
-    pub info: Info,
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
 }
@@ -71,8 +70,8 @@ impl Bench {
     }
 
     pub fn on(board: VirtualBoard) -> Self {
-        let (client, info) = Client::connect(&board.port, BAUD).unwrap_or_else(|error| panic!("{error}"));
-        Self { board, client, info, samples: Vec::new(), events: Vec::new() }
+        let (client, _) = Client::connect(&board.port, BAUD).unwrap_or_else(|error| panic!("{error}"));
+        Self { board, client, samples: Vec::new(), events: Vec::new() }
     }
 
     pub fn done(&mut self, command: Command) {
@@ -123,6 +122,17 @@ impl Bench {
         }
     }
 
+    /// Resets the board by command, and waits until it is up again.
+    pub fn reboot(&mut self) {
+        let starts = self.board.seen().unwrap().starts;
+        self.done(Command::Reboot);
+        let begin = Instant::now();
+        while self.board.seen().unwrap().starts == starts {
+            assert!(begin.elapsed() < Duration::from_secs(20), "the board does not come back");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
     pub fn settings(&mut self) -> Settings {
         match self.client.request(Command::GetSettings).unwrap() {
             Reply::Settings(settings) => settings,
@@ -131,11 +141,10 @@ impl Bench {
     }
 
     /// Injects a fault and follows the drive, as the plant sees it, until it is off: within `ticks`.
-    pub fn breaks(&mut self, fault: Fault, ticks: u64) -> u64 {
+    pub fn breaks(&mut self, fault: Fault, ticks: u64) {
         let seen = self.board.watch();
         self.board.inject(fault);
         let first = seen.recv().unwrap();
-        let mut last_driven: Option<Seen> = (first.code != 0).then_some(first);
         let mut quiet = 0;
         // As long without any drive as the longest stay at 0 of a running relay, which has none.
         while quiet < 50 {
@@ -143,7 +152,7 @@ impl Bench {
             if now.code == 0 {
                 quiet += 1;
             } else {
-                (quiet, last_driven) = (0, Some(now));
+                quiet = 0;
                 assert!(
                     now.tick - first.tick <= ticks,
                     "{fault:?}: still driven after {} ticks",
@@ -161,7 +170,6 @@ impl Bench {
                 true
             }) {}
         }
-        last_driven.map_or(0, |last| last.tick + 1 - first.tick)
     }
 
     /// The fault is latched, has been told, and everything up to it has been captured.

@@ -2,7 +2,6 @@
 //! lost.
 
 use std::io::Write;
-use std::time::Duration;
 
 use breakaway::device::virtual_board::Fault;
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
@@ -14,8 +13,7 @@ fn a_frozen_encoder() {
     let mut bench = Bench::new(|options| options.settings.frozen_ticks = 200);
     bench.swing();
     // The settings' 200 ticks, up to half a cycle (T = 0.73 s) until both relays push the same way, and two.
-    let ticks = bench.breaks(Fault::EncoderFrozen, 200 + 366 + 2);
-    assert!(ticks >= 200);
+    bench.breaks(Fault::EncoderFrozen, 200 + 366 + 2);
     let record = bench.kept(FaultCause::EncoderFrozen);
     assert_eq!((record.value, record.limit), (200, 200));
 }
@@ -29,8 +27,7 @@ fn an_encoder_that_jumps_and_one_that_dies() {
     assert!(record.value > 4900 && record.limit == 1000, "{record:?}");
     // It survives a reset, and nothing runs before it is cleared.
     bench.board.inject(Fault::Healed);
-    bench.done(Command::Reboot);
-    std::thread::sleep(Duration::from_millis(300));
+    bench.reboot();
     assert_eq!(bench.fault(), Some(record));
     assert_eq!(bench.board.seen().unwrap().starts, 2);
     assert!(bench.client.done(Command::StartRelay(relay(2.0, 1.5, 10))).is_err());
@@ -120,7 +117,7 @@ fn garbage_on_the_link() {
                 (state >> 24) as u8
             })
             .collect();
-        frames += noise.iter().filter(|byte| **byte == 0).count();
+        frames += noise.split(|byte| *byte == 0).count() - 1;
         port.write_all(&noise).unwrap();
         bench.until("a status", |_| true);
     }

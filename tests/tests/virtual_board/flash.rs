@@ -19,8 +19,7 @@ fn settings_and_model_are_kept_and_a_corrupt_image_is_reported() {
     assert!(bench.client.status().unwrap().unsaved);
     bench.done(Command::Save);
     assert!(!bench.client.status().unwrap().unsaved);
-    bench.done(Command::Reboot);
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    bench.reboot();
     assert_eq!(bench.settings(), settings, "after a reset");
     drop(bench);
     let mut bench = Bench::new(with_flash);

@@ -58,7 +58,7 @@ impl Guards {
             tick_hz,
             current_ma: settings.current_max_ma,
             mean_drive_code: settings.mean_drive_max_code,
-            mean_shift: (u32::BITS - 1 - tick_hz.leading_zeros()) as u8,
+            mean_shift: (u32::BITS - 1 - tick_hz.leading_zeros()).min(16) as u8,
             frozen_ticks: settings.frozen_ticks,
             frozen_drive_code: settings.frozen_drive_code,
             jump_counts: settings.jump_counts,
@@ -71,7 +71,7 @@ impl Guards {
 
     /// Ticks as milliseconds, for reports.
     pub(super) fn ms(&self, ticks: u32) -> i32 {
-        i32::try_from(u64::from(ticks) * 1000 / u64::from(self.tick_hz)).unwrap_or(i32::MAX)
+        i32::try_from(u64::from(ticks) * 1000 / u64::from(self.tick_hz.max(1))).unwrap_or(i32::MAX)
     }
 
     /// Counts in 16 ticks as counts per second, for reports.

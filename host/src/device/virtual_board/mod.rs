@@ -95,6 +95,10 @@ impl VirtualBoard {
             seen: Seen::default(),
         };
         runner.boot()?;
+        // Until it has said what a board says when it starts.
+        for _ in 0..FIRST_TICKS {
+            runner.tick()?;
+        }
         let runner = std::thread::spawn(move || runner.run());
         Ok(Self { port, orders, runner: Some(runner) })
     }
@@ -159,6 +163,8 @@ struct Runner {
     seen: Seen,
 }
 
+/// Ticks before anybody is told of the board.
+const FIRST_TICKS: u32 = 20;
 /// Behind real time by more than this, it is not made up for.
 const LARGEST_LAG: Duration = Duration::from_millis(250);
 
