@@ -9,7 +9,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use breakaway_core::link::{
-    Command, Decoder, Event, Info, MAX_FRAME, Message, PROTOCOL_VERSION, Reply, Request, SCHEMA, Status, encode, peer_version,
+    Command, Decoder, Event, Info, MAX_FRAME, Message, PROTOCOL_VERSION, Reply, Request, SCHEMA, Status, encode,
+    peer_version,
 };
 use serialport::SerialPort;
 
