@@ -490,7 +490,7 @@ impl Problem<'_> {
         for i in 0..p {
             damped[(i, i)] *= 1.0 + damping;
             // A parameter that the data does not touch keeps its value.
-            if !(damped[(i, i)] > 0.0) {
+            if damped[(i, i)] <= 0.0 {
                 damped[(i, i)] = 1.0;
             }
         }
