@@ -19,6 +19,8 @@ const FIRST_SHARE: usize = 3;
 /// the best effect's in the final.
 const HEAT_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
+/// Floor of the base model's fit, as a multiple of the mean square that it leaves.
+const BASE_FLOOR: f64 = 10.0;
 const FIRST_ITERATIONS: usize = 5;
 const FINAL_ITERATIONS: usize = 12;
 const LAST_ITERATIONS: usize = 20;
@@ -252,14 +254,15 @@ fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     Ok(fit)
 }
 
-/// Fits a model that may miss much: the floor follows what its median segment leaves.
+/// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares
+/// fit to all segments alike, and not to those (of one direction, of one speed) that it can be made to follow.
 ///
 /// # Errors
 /// [`FitError`] of the fit.
 pub fn fit_softly(data: &Data, start: &Candidate, iterations: usize) -> Result<Fit, FitError> {
     let free = Free::all(&start.effects);
     let fit = data.problem().fit(start, &free, None, iterations)?;
-    let softened = data.softened(FINAL_FLOOR * median(fit.mse.clone()));
+    let softened = data.softened(BASE_FLOOR * fit.mse.iter().sum::<f64>() / fit.mse.len() as f64);
     softened.problem().fit(start, &free, None, iterations)
 }
 
