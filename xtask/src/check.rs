@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 
+use crate::budget;
 use crate::cross::{self, Toolchain};
 use crate::image;
 use crate::report::Report;
@@ -38,6 +39,7 @@ fn steps(report: &mut Report) -> Result<()> {
         image::qemu()?;
         image::build(toolchain)
     })?;
+    report.check("budget of the firmware", || budget::measure(toolchain, false))?;
     report.tests("host tests", || run_counting(&mut cargo(host_tests())))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--doc", "--no-fail-fast"]))

@@ -61,6 +61,8 @@ pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
     for package in build.packages {
         command.args(["--package", package]);
     }
+    // Images are small enough to be optimised as a whole; it saves a tenth of the tick.
+    command.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
     run(command.args(build.arguments))
 }
 

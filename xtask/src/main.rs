@@ -1,6 +1,7 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`.
 
 mod bench;
+mod budget;
 mod check;
 mod cross;
 mod debian;
@@ -23,6 +24,13 @@ enum Task {
     Setup,
     /// Build the virtual board's firmware, for `breakaway virtual-board`
     Image,
+    /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
+    #[command(alias = "size")]
+    Budget {
+        /// Write what was measured to firmware/budget.toml, instead of comparing with it
+        #[arg(long)]
+        record: bool,
+    },
     /// Run the bounded fuzz tests of the test suite for longer
     Fuzz {
         /// Time for each fuzz test
@@ -44,6 +52,7 @@ fn main() -> ExitCode {
         Task::Test => return check::all(),
         Task::Setup => setup::all(),
         Task::Image => cross::install().and_then(image::build),
+        Task::Budget { record } => cross::install().and_then(|toolchain| budget::measure(toolchain, record)),
         Task::Fuzz { seconds } => fuzz::all(seconds),
         Task::Bench => bench::all(),
         Task::Blind { arguments } => bench::blind(&arguments),

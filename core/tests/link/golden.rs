@@ -92,6 +92,25 @@ fn the_wire_format_is_the_golden_one() {
     assert_eq!(golden.lines().count(), now.lines().count(), "{CHANGED}");
 }
 
+/// docs/link.md explains bytes; they are those of the golden vectors.
+#[test]
+fn the_page_explains_golden_bytes() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/link.md")).unwrap();
+    let golden = include_str!("../../src/link/golden.txt");
+    let (mut inside, mut explained) = (false, 0);
+    for (number, line) in page.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(language) => inside = language == "golden",
+            None if inside => {
+                assert!(golden.lines().any(|golden| golden == line), "docs/link.md:{}: {line}", number + 1);
+                explained += 1;
+            }
+            None => {}
+        }
+    }
+    assert_eq!(explained, 6);
+}
+
 #[test]
 fn every_format_has_its_version() {
     let (version, schema) = *HISTORY.last().unwrap();

@@ -20,6 +20,7 @@ mod memory;
 mod run;
 mod thread;
 mod tick;
+mod track;
 
 pub use accumulate::{Accumulation, Sums};
 pub use channels::{AppEnd, Channels, Order, SAMPLE_QUEUE, TickEnd, TickEvent};
@@ -30,3 +31,4 @@ pub use memory::remember_panic;
 pub use run::{RunLimits, RunOrder};
 pub use thread::{App, Experiment, Identification, Identity, Planner, Wish, guards};
 pub use tick::{Tick, TickSettings};
+pub use track::{Path, TrackController, TrackPlan};

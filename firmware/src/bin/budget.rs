@@ -5,9 +5,12 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_core::link::{
-        Bounds, Command, FULL_SCALE_CODE, MAX_FRAME, Reference, Relay, Request, Settings, encode,
+        Adaptive, Bounds, Command, Controller, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay, Request,
+        Settings, Track, Trajectory, encode,
     };
-    use breakaway_firmware::app::{App, Channels, Identity, NoController, Sums, Tick, TickSettings, guards};
+    use breakaway_firmware::app::{
+        App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
+    };
     use breakaway_firmware::board::mps2_an386::{Next, SimulatedFlash, Virtual};
     use breakaway_firmware::board::{Board, Encoder, Retained, Wire};
     use breakaway_firmware::storage::FlashStore;
@@ -49,7 +52,6 @@ mod image {
 
     /// SysTick counts while instructions are executed; `per_instruction_q8` from a stretch of known length.
     struct Meter {
-        systick: SYST,
         per_instruction_q8: u32,
         overhead: u32,
     }
@@ -60,26 +62,26 @@ mod image {
             systick.set_reload(RELOAD);
             systick.clear_current();
             systick.enable_counter();
-            let mut meter = Self { systick, per_instruction_q8: 256, overhead: 0 };
-            let none = meter.counts(|| {});
-            let thousand = meter.counts(|| {
+            let mut meter = Self { per_instruction_q8: 256, overhead: 0 };
+            let none = Self::counts(|| {});
+            let many = Self::counts(|| {
                 // SAFETY: instructions that do nothing.
-                unsafe { core::arch::asm!(".rept 1000", "nop", ".endr") }
+                unsafe { core::arch::asm!(".rept 200", "nop", ".endr") }
             });
-            meter.per_instruction_q8 = (thousand - none) * 256 / 1000;
+            meter.per_instruction_q8 = (many - none) * 256 / 200;
             meter.overhead = none;
             meter
         }
 
-        fn counts(&mut self, work: impl FnOnce()) -> u32 {
+        fn counts(work: impl FnOnce()) -> u32 {
             let before = SYST::get_current();
             work();
             let after = SYST::get_current();
             before.wrapping_sub(after) & RELOAD
         }
 
-        fn instructions(&mut self, work: impl FnOnce()) -> u32 {
-            let counts = self.counts(work).saturating_sub(self.overhead);
+        fn instructions(&self, work: impl FnOnce()) -> u32 {
+            let counts = Self::counts(work).saturating_sub(self.overhead);
             (counts * 256 + self.per_instruction_q8 / 2) / self.per_instruction_q8
         }
     }
@@ -152,13 +154,35 @@ mod image {
         })
     }
 
+    /// A model for the integer plant, in volts and radians of the settings: only its size matters here.
+    fn model() -> Model {
+        Model { b: 0.03, c: 0.1, f1: 0.5, effects: heapless::Vec::new() }
+    }
+
+    /// The adaptive law along a sine, with compensation.
+    fn adaptive() -> Command {
+        Command::StartTrack(Track {
+            trajectory: Trajectory::Sine { amplitude: 1.0, period_s: 2.0 },
+            controller: Controller::Adaptive(Adaptive {
+                kv: 50.0,
+                lambda1: 100.0,
+                lambda2: 50.0,
+                delta: 0.5,
+                rates: [0.5; 5],
+            }),
+            feed_forward: true,
+            compensation: true,
+            bounds: Bounds { max_ticks: 3000, ..Bounds::default() },
+        })
+    }
+
     #[entry]
     fn main() -> ! {
         paint();
         let Some(peripherals) = Peripherals::take() else {
             panic!("taken twice");
         };
-        let mut meter = Meter::new(peripherals.SYST);
+        let meter = Meter::new(peripherals.SYST);
         Virtual::default().retained().write([0; 8]);
         let identity = Identity { board: "budget", build: "", tick_hz: TICK_HZ };
         let settings = Settings {
@@ -174,19 +198,27 @@ mod image {
         };
         let loaded = store.load(settings);
         let timing = TickSettings::at_rate(TICK_HZ);
-        let channels = cortex_m::singleton!(: Channels<'static, core::convert::Infallible> = Channels::new());
+        let channels = cortex_m::singleton!(: Channels<'static, TrackPlan> = Channels::new());
         let (Some(channels), Some(sums)) = (channels, cortex_m::singleton!(: Option<Sums> = None)) else {
             panic!("taken twice");
         };
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
         let start = guards(&loaded.settings, &identity);
-        let mut tick = Tick::new(Virtual::default(), NoController, tick_end, timing, start);
+        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
-        let mut app = App::new(app_end, NoController, Line(&host), store, identity, loaded, sums);
+        let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);
         let mut plant = Plant::default();
         let (mut ticks, mut total, mut worst, mut idle) = (0_u32, 0_u64, 0, 0);
-        let commands = [relay(12_000, 9_000), relay(6_000, 6_500), Command::Identify, Command::Save];
+        let commands = [
+            relay(12_000, 9_000),
+            relay(6_000, 6_500),
+            Command::Identify,
+            Command::LoadModel(model()),
+            Command::Save,
+            adaptive(),
+        ];
+        let (mut tracked, mut track_total, mut track_worst) = (0_u32, 0_u64, 0);
         for (id, command) in commands.into_iter().enumerate() {
             let mut frame = [0; MAX_FRAME];
             let used = encode(&Request { id: id as u16, command }, &mut frame).unwrap_or(0);
@@ -199,14 +231,21 @@ mod image {
                 let code = tick.board().code();
                 let next = Next { count: Some(plant.advance(code)), late_us: 0, trip: None };
                 tick.board().next(&next, timing.period_us);
-                let running = tick.mode() == breakaway_core::link::Mode::Relay;
+                let before = tick.mode();
                 let spent = meter.instructions(|| tick.tick());
-                if running && tick.mode() == breakaway_core::link::Mode::Relay {
-                    ticks += 1;
-                    total += u64::from(spent);
-                    worst = worst.max(spent);
-                } else if !running {
-                    idle = idle.max(spent);
+                match (before, tick.mode()) {
+                    (Mode::Relay, Mode::Relay) => {
+                        ticks += 1;
+                        total += u64::from(spent);
+                        worst = worst.max(spent);
+                    }
+                    (Mode::Track, Mode::Track) => {
+                        tracked += 1;
+                        track_total += u64::from(spent);
+                        track_worst = track_worst.max(spent);
+                    }
+                    (Mode::Idle, _) => idle = idle.max(spent),
+                    _ => {}
                 }
                 app.poll();
             }
@@ -215,21 +254,28 @@ mod image {
         hprintln!("relay_ticks = {}", ticks);
         hprintln!("relay_tick_mean = {}", total / u64::from(ticks.max(1)));
         hprintln!("relay_tick_worst = {}", worst);
+        hprintln!("adaptive_ticks = {}", tracked);
+        hprintln!("adaptive_tick_mean = {}", track_total / u64::from(tracked.max(1)));
+        hprintln!("adaptive_tick_worst = {}", track_worst);
         hprintln!("idle_tick_worst = {}", idle);
         hprintln!("tick_bytes = {}", size_of_val(&tick));
         hprintln!("app_bytes = {}", size_of_val(&app));
-        hprintln!("channels_bytes = {}", size_of::<Channels<'static, core::convert::Infallible>>());
+        hprintln!("channels_bytes = {}", size_of::<Channels<'static, TrackPlan>>());
         hprintln!("sums_bytes = {}", size_of::<Sums>());
         hprintln!("stack_bytes = {}", high_water());
         debug::exit(debug::EXIT_SUCCESS);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         hprintln!("{}", info);
         debug::exit(debug::EXIT_FAILURE);
-        loop {}
+        loop {
+            cortex_m::asm::wfi();
+        }
     }
 }
 

@@ -4,9 +4,9 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_firmware::app::{
-        App, Channels, Identity, NoController, Sums, Tick, TickSettings, Wish, guards, remember_panic,
+        App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
     };
-    use breakaway_firmware::board::mps2_an386::{Lockstep, Received, SimulatedFlash, Uart, Virtual};
+    use breakaway_firmware::board::mps2_an386::{Link, Lockstep, Received, SimulatedFlash, Uart, Virtual};
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::peripheral::SCB;
     use cortex_m_rt::entry;
@@ -29,8 +29,8 @@ mod image {
         let mut sums = Sums::new();
         let timing = TickSettings::at_rate(tick_hz);
         let start = guards(&loaded.settings, &identity);
-        let mut tick = Tick::new(Virtual::default(), NoController, tick_end, timing, start);
-        let mut app = App::new(app_end, NoController, Uart::link(), store, identity, loaded, &mut sums);
+        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
+        let mut app = App::new(app_end, TrackController::default(), Link::new(), store, identity, loaded, &mut sums);
         loop {
             match lockstep.poll() {
                 Some(Received::Tick(next)) => {

@@ -7,4 +7,12 @@ pub trait Wire {
 
     /// Takes up to `bytes.len()` bytes to send and says how many; the caller keeps the rest.
     fn write(&mut self, bytes: &[u8]) -> usize;
+
+    /// Moves what is buffered on, as far as it goes without waiting. Called in every round of the thread.
+    fn flush(&mut self) {}
+
+    /// Whether everything that was taken has gone out: only then may the board be reset by command.
+    fn idle(&self) -> bool {
+        true
+    }
 }

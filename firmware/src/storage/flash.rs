@@ -40,6 +40,7 @@ impl<F: NorFlash> FlashStore<F> {
     }
 
     /// Reads what is kept; where that cannot be used, `defaults` and what was lost.
+    #[inline(never)]
     pub fn load(&mut self, defaults: Settings) -> Loaded {
         if self.blank() {
             return Loaded::defaults(defaults);
@@ -64,6 +65,7 @@ impl<F: NorFlash> FlashStore<F> {
     }
 
     /// Whether nothing was ever written. What cannot be read is not blank.
+    #[inline(never)]
     fn blank(&mut self) -> bool {
         let mut bytes = [0; 64];
         let mut at = self.range.start;
@@ -116,6 +118,7 @@ impl<F: NorFlash> FlashStore<F> {
 }
 
 impl<F: NorFlash> Store for FlashStore<F> {
+    #[inline(never)]
     fn save(&mut self, settings: &Settings, model: Option<&Model>) -> Result<(), StoreError> {
         let generation = self.generation.wrapping_add(1);
         self.put(SETTINGS, settings, generation)?;

@@ -9,7 +9,7 @@ use breakaway_core::link::{
     Request, Sample, Settings, Status, encode,
 };
 use breakaway_core::plant::{Base, Drive as Held, Plant, State};
-use breakaway_firmware::app::{App, Channels, Identity, NoController, Sums, Tick, TickSettings, Wish, guards};
+use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
 use breakaway_firmware::board::{
     Applied, Board, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip, Wire,
 };
@@ -22,6 +22,7 @@ pub const STEP: f64 = 1e-3;
 pub const FULL_SCALE: f64 = 5.0;
 
 /// What is outside of the microcontroller, and what is wrong with it.
+#[allow(clippy::struct_excessive_bools, reason = "independent things that break")]
 pub struct World {
     pub plant: State<f64>,
     pub drive: i16,
@@ -131,8 +132,8 @@ impl Board for Shared {
 /// A running board and its host.
 pub struct Bench {
     pub world: Shared,
-    tick: Tick<'static, 'static, Shared, NoController>,
-    app: App<'static, 'static, NoController, Shared, NoStore>,
+    tick: Tick<'static, 'static, Shared, TrackController>,
+    app: App<'static, 'static, TrackController, Shared, NoStore>,
     decoder: Decoder,
     id: u16,
     pub replies: Vec<(u16, Reply)>,
@@ -198,10 +199,11 @@ impl Bench {
         let channels = Box::leak(Box::new(Channels::new()));
         let (tick_end, app_end) = channels.split();
         let guards = guards(&settings, &identity);
-        let tick = Tick::new(world.clone(), NoController, tick_end, TickSettings::at_rate(TICK_HZ), guards);
+        let tick =
+            Tick::new(world.clone(), TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
         let sums = Box::leak(Box::new(Sums::new()));
         let loaded = Loaded::defaults(settings);
-        let app = App::new(app_end, NoController, world.clone(), NoStore, identity, loaded, sums);
+        let app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, sums);
         Self {
             world,
             tick,
@@ -247,6 +249,7 @@ impl Bench {
     }
 
     /// Sends a command and steps until it is answered.
+    #[allow(clippy::needless_pass_by_value, reason = "commands are written where they are sent")]
     pub fn command(&mut self, command: Command) -> Reply {
         let id = self.send(&command);
         for _ in 0..100 {

@@ -85,7 +85,7 @@ impl Args {
         }
         let (mut client, info) = Client::connect(port, self.port.baud)?;
         let scale = Scale::new(&info)?;
-        let mut capture = Capture::create(&self.output, &info, scale, self.decimation)?;
+        let mut capture = Capture::create(&self.output, &info, scale, self.decimation, self.seconds)?;
         let damaged_before = client.counters().bad_frames();
         let ended = self.receive(&mut client, &mut capture, &interrupt);
         if !matches!(ended, Err(DeviceError::Unplugged { .. })) {
@@ -97,9 +97,9 @@ impl Args {
             Ok(reason) => (*reason).to_owned(),
             Err(error) => error.to_string(),
         };
-        let kept = capture.finish(&reason).map_err(|error| {
-            anyhow::anyhow!("{error}; the samples are in {}", part_of(&self.output).display())
-        })?;
+        let kept = capture
+            .finish(&reason)
+            .map_err(|error| anyhow::anyhow!("{error}; the samples are in {}", part_of(&self.output).display()))?;
         let file = self.output.display();
         if let Err(error) = ended {
             let saved = if kept {
@@ -141,12 +141,11 @@ impl Args {
             if interrupt.requested() {
                 return Ok("Ctrl-C");
             }
-            if self.seconds.is_some_and(|seconds| capture.seconds() >= seconds) {
-                return Ok("time up");
-            }
             match client.receive(Duration::from_millis(50))? {
                 Some(Message::Samples(batch)) => {
-                    capture.push(&batch, client.port())?;
+                    if !capture.push(&batch, client.port())? {
+                        return Ok("time up");
+                    }
                     heard = Instant::now();
                 }
                 Some(Message::Event(Event::Started)) => {

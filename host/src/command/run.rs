@@ -184,7 +184,8 @@ impl Args {
             outcome.run.recording.write(&file)?;
             let samples = outcome.run.recording.t.len();
             if let Some(error) = outcome.error {
-                let saved = format!("the {samples} samples of {} until then are in {}", experiment.name, file.display());
+                let saved =
+                    format!("the {samples} samples of {} until then are in {}", experiment.name, file.display());
                 return Err(anyhow::Error::new(error).context(saved));
             }
             recordings.push(Entry {
@@ -192,7 +193,7 @@ impl Args {
                 role,
                 samples,
                 ending: board_ending(&outcome, breakaway),
-                missing: Some(outcome.totals.missing),
+                missing: Some(outcome.missing),
             });
             bar.inc(1);
         }
@@ -231,7 +232,7 @@ fn board_ending(outcome: &Outcome, f1: Option<f64>) -> Option<Ending> {
         Some(link::Ending::Limit { limit, value }) if !matches!(limit, Limit::Travel | Limit::Bound) => {
             Some(Ending::LimitTripped { limit: text::limit_name(limit), value: f64::from(value) })
         }
-        _ if outcome.totals.missing > 0 => Some(Ending::NotJudged { reason: "samples are missing" }),
+        _ if outcome.missing > 0 => Some(Ending::NotJudged { reason: "samples are missing" }),
         _ => relay::ending(&outcome.run, &outcome.experiment, f1),
     }
 }

@@ -33,6 +33,8 @@ pub struct Capture {
     rows: Vec<Row>,
     first_tick: Option<u64>,
     last_tick: u64,
+    /// Ticks from the first sample to the last one wanted.
+    most_ticks: Option<u64>,
 }
 
 /// Where the samples are while they come.
@@ -43,22 +45,29 @@ pub fn part_of(path: &Path) -> PathBuf {
 }
 
 impl Capture {
-    /// Begins a recording that will become `path`.
+    /// Begins a recording that will become `path`, of at most `seconds` if given.
     ///
     /// # Errors
     /// The folder cannot be written, or an earlier capture was cut off and its part still lies there.
-    pub fn create(path: &Path, info: &Info, scale: Scale, decimation: u16) -> Result<Self, DeviceError> {
+    pub fn create(
+        path: &Path,
+        info: &Info,
+        scale: Scale,
+        decimation: u16,
+        seconds: Option<f64>,
+    ) -> Result<Self, DeviceError> {
+        let most_ticks = seconds.map(|seconds| scale.ticks("--seconds", seconds)).transpose()?.map(u64::from);
         let part = part_of(path);
         let failed = |source: io::Error| {
             if source.kind() == io::ErrorKind::AlreadyExists {
                 let what = "an earlier capture was cut off here; it is a valid recording: rename it, or delete it";
-                return DeviceError::Write { file: part.display().to_string(), source: io::Error::other(what) };
+                return DeviceError::Write { file: part.display().to_string(), reason: io::Error::other(what) };
             }
-            DeviceError::Write { file: part.display().to_string(), source }
+            DeviceError::Write { file: part.display().to_string(), reason: source }
         };
         if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
             let source = io::Error::other("is not an ordinary file");
-            return Err(DeviceError::Write { file: path.display().to_string(), source });
+            return Err(DeviceError::Write { file: path.display().to_string(), reason: source });
         }
         let file = OpenOptions::new().write(true).create_new(true).open(&part).map_err(failed)?;
         let mut capture = Self {
@@ -72,6 +81,7 @@ impl Capture {
             rows: Vec::new(),
             first_tick: None,
             last_tick: 0,
+            most_ticks,
             part,
         };
         let header = capture.header("cut off: the program was killed before the end");
@@ -79,15 +89,26 @@ impl Capture {
         Ok(capture)
     }
 
-    /// Takes a batch; afterwards it is in the file.
+    /// Takes a batch; afterwards it is in the file. Whether more is wanted.
     ///
     /// # Errors
     /// The disk is full or gone; [`DeviceError::Restarted`].
-    pub fn push(&mut self, batch: &Batch, port: &str) -> Result<(), DeviceError> {
+    pub fn push(&mut self, batch: &Batch, port: &str) -> Result<bool, DeviceError> {
         let taken = self.stream.take(batch, &mut self.rows);
         let first = self.stream.totals.samples - self.rows.len() as u64;
         let mut text = String::new();
+        let mut more = true;
         for (i, row) in self.rows.drain(..).enumerate() {
+            let passed = row.tick - self.first_tick.unwrap_or(row.tick);
+            if self.most_ticks.is_some_and(|most| passed >= most) {
+                // This one and those after it are past the end: as if they had not come.
+                let totals = &mut self.stream.totals;
+                totals.missing -= row.missing;
+                totals.gaps -= u64::from(row.missing > 0);
+                totals.samples = first + i as u64;
+                more = false;
+                break;
+            }
             if row.missing > 0 && self.gaps.len() < MOST_GAPS {
                 self.gaps.push((first + i as u64, row.missing));
             }
@@ -96,7 +117,7 @@ impl Capture {
             write_row(&mut text, &row, &self.scale);
         }
         self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()).map_err(|e| self.failed(e))?;
-        taken.map_err(|_| DeviceError::Restarted { port: port.to_owned() })
+        taken.map(|()| more).map_err(|_| DeviceError::Restarted { port: port.to_owned() })
     }
 
     /// What has come so far.
@@ -126,14 +147,14 @@ impl Capture {
             skip_header(&mut part)?;
             io::copy(&mut part, out).map(|_| ())
         })
-        .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), source })?;
+        .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), reason: source })?;
         // The recording is safe; a part that does not go is only in the way of the next one, which says so.
         let _ = fs::remove_file(&self.part);
         Ok(true)
     }
 
     fn failed(&self, source: io::Error) -> DeviceError {
-        DeviceError::Write { file: self.part.display().to_string(), source }
+        DeviceError::Write { file: self.part.display().to_string(), reason: source }
     }
 
     /// The comment lines and the header row.

@@ -18,7 +18,7 @@ use super::{DeviceError, port, text};
 /// How long the first answer may take: a board that has just been plugged in needs to start.
 const HELLO_TIMEOUT: Duration = Duration::from_millis(2500);
 /// How often hello is said again meanwhile.
-const HELLO_AGAIN: Duration = Duration::from_millis(400);
+const HELLO_AGAIN: Duration = Duration::from_millis(150);
 /// How long an answer may take.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long solving or writing flash may take, on the slowest target.
@@ -29,6 +29,7 @@ const POLL: Duration = Duration::from_millis(50);
 const KEEP_ALIVE: Duration = Duration::from_millis(200);
 
 /// What the reading thread hands over.
+#[allow(clippy::large_enum_variant)] // Most of them are messages.
 enum Incoming {
     Message(Message),
     Peer { id: u16, version: u16, schema: u32 },

@@ -10,19 +10,25 @@ use super::text;
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
     /// There is no such port.
-    #[error("there is no port {port}: is the board plugged in? (Linux names boards /dev/ttyACM0 or /dev/ttyUSB0; `ls /dev/tty*` lists them)")]
+    #[error(
+        "there is no port {port}: is the board plugged in? (Linux names boards /dev/ttyACM0 or /dev/ttyUSB0; `ls /dev/tty*` lists them)"
+    )]
     NoPort {
         /// The port.
         port: String,
     },
     /// Another program has it.
-    #[error("{port} is in use by another program: close it (a monitor, a capture, a terminal program), or `fuser {port}` tells which it is")]
+    #[error(
+        "{port} is in use by another program: close it (a monitor, a capture, a terminal program), or `fuser {port}` tells which it is"
+    )]
     Busy {
         /// The port.
         port: String,
     },
     /// The user may not open it.
-    #[error("no permission to open {port}: add yourself to its group (`ls -l {port}` shows it; usually `sudo usermod -aG dialout $USER`) and log in again")]
+    #[error(
+        "no permission to open {port}: add yourself to its group (`ls -l {port}` shows it; usually `sudo usermod -aG dialout $USER`) and log in again"
+    )]
     Permission {
         /// The port.
         port: String,
@@ -36,7 +42,9 @@ pub enum DeviceError {
         reason: String,
     },
     /// Nothing came back.
-    #[error("{port}: no answer within {seconds} s, not a single byte: is the board powered and flashed, and is this its port?")]
+    #[error(
+        "{port}: no answer within {seconds} s, not a single byte: is the board powered and flashed, and is this its port?"
+    )]
     NoAnswer {
         /// The port.
         port: String,
@@ -44,7 +52,9 @@ pub enum DeviceError {
         seconds: f64,
     },
     /// Something came back, but nothing that could be read.
-    #[error("{port}: {bytes} bytes came, and no readable frame among them: the baud rate is wrong (tried {baud}, the firmware's own is {BAUD}; see --baud), or this is no breakaway board")]
+    #[error(
+        "{port}: {bytes} bytes came, and no readable frame among them: the baud rate is wrong (tried {baud}, the firmware's own is {BAUD}; see --baud), or this is no breakaway board"
+    )]
     Garbage {
         /// The port.
         port: String,
@@ -54,7 +64,9 @@ pub enum DeviceError {
         baud: u32,
     },
     /// The device speaks another version.
-    #[error("{port}: the board speaks link version {version} (schema {schema:08x}), this program version {PROTOCOL_VERSION} (schema {SCHEMA:08x}): flash the firmware of this release, or use the program of the firmware's")]
+    #[error(
+        "{port}: the board speaks link version {version} (schema {schema:08x}), this program version {PROTOCOL_VERSION} (schema {SCHEMA:08x}): flash the firmware of this release, or use the program of the firmware's"
+    )]
     OtherVersion {
         /// The port.
         port: String,
@@ -64,7 +76,9 @@ pub enum DeviceError {
         schema: u32,
     },
     /// A command got no answer.
-    #[error("{port}: no answer to `{command}` within {seconds} s, though the port is open: the board hangs, or the cable is bad (reset the board and try again)")]
+    #[error(
+        "{port}: no answer to `{command}` within {seconds} s, though the port is open: the board hangs, or the cable is bad (reset the board and try again)"
+    )]
     Silent {
         /// The port.
         port: String,
@@ -74,7 +88,9 @@ pub enum DeviceError {
         seconds: f64,
     },
     /// The port is gone.
-    #[error("{port} went away ({reason}): the board was unplugged or its program ended; plug it in again and repeat the command")]
+    #[error(
+        "{port} went away ({reason}): the board was unplugged or its program ended; plug it in again and repeat the command"
+    )]
     Unplugged {
         /// The port.
         port: String,
@@ -102,7 +118,9 @@ pub enum DeviceError {
         command: &'static str,
     },
     /// A fault was raised or is latched.
-    #[error("the board has a fault: {0}; see `breakaway device --port PORT fault`, and `clear` once its cause is removed")]
+    #[error(
+        "the board has a fault: {0}; see `breakaway device --port PORT fault`, and `clear` once its cause is removed"
+    )]
     Fault(String),
     /// The device is busy.
     #[error("the board is not idle but in mode `{0}`: `breakaway device --port PORT stop` stops it")]
@@ -130,11 +148,11 @@ pub enum DeviceError {
     #[error(transparent)]
     Experiment(#[from] crate::simulate::SimulateError),
     /// A file.
-    #[error("cannot write {file}: {source}")]
+    #[error("cannot write {file}: {reason}")]
     Write {
         /// The file.
         file: String,
         /// The system's reason.
-        source: io::Error,
+        reason: io::Error,
     },
 }

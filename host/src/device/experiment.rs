@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mode, OpenLoop, Pid, Reference, Relay, Reply, Settings,
-    Track, Trajectory,
+    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mode, OpenLoop, Pid, Reference, Relay, Reply,
+    Settings, Track, Trajectory,
 };
 
 use super::scale::Scale;
-use super::stream::{Row, Stream, Totals};
+use super::stream::{Row, Stream};
 use super::{Client, DeviceError, text};
 use crate::interrupt::FinishFirst;
 use crate::recording::Recording;
@@ -32,8 +32,8 @@ pub struct Outcome {
     pub experiment: Experiment,
     /// How the board says it ended; `None` if the end was not seen.
     pub ended: Option<Ended>,
-    /// Samples received and missing.
-    pub totals: Totals,
+    /// Samples missing between the first and the last of the experiment.
+    pub missing: u64,
     /// Why it is not complete.
     pub error: Option<DeviceError>,
 }
@@ -90,7 +90,7 @@ impl Runner {
         {
             return Err(error);
         }
-        Ok(self.outcome(experiment, record, error))
+        Ok(self.outcome(experiment, &record, error))
     }
 
     /// The fault that is latched, as an error.
@@ -150,7 +150,7 @@ impl Runner {
         }
     }
 
-    fn outcome(&self, experiment: &Experiment, record: Record, error: Option<DeviceError>) -> Outcome {
+    fn outcome(&self, experiment: &Experiment, record: &Record, error: Option<DeviceError>) -> Outcome {
         let scale = &self.scale;
         let mut recording = Recording {
             name: experiment.name.clone(),
@@ -178,8 +178,10 @@ impl Runner {
             (None, None) => "unknown".to_owned(),
         };
         recording.meta.insert("ended".into(), ended);
-        if record.stream.totals.missing > 0 {
-            recording.meta.insert("samples missing".into(), record.stream.totals.missing.to_string());
+        // What is missing before the first sample is not of the experiment.
+        let missing: u64 = record.rows.iter().skip(1).map(|row| row.missing).sum();
+        if missing > 0 {
+            recording.meta.insert("samples missing".into(), missing.to_string());
         }
         let start = recording.x.first().copied().unwrap_or(0.0);
         let tripped = match record.ended.map(|ended| ended.ending) {
@@ -190,7 +192,7 @@ impl Runner {
             run: Run { recording, true_x: Vec::new(), start, tripped },
             experiment: self.as_run(experiment),
             ended: record.ended,
-            totals: record.stream.totals,
+            missing,
             error,
         }
     }
@@ -265,7 +267,8 @@ pub fn commands(experiment: &Experiment, scale: &Scale) -> Result<Vec<Command>, 
                 let need = format!("h1 + h2 is at most {total} {}", scale.units.u);
                 return Err(DeviceError::Range { what: "excitation.h1 + h2", value: h1 + h2, need });
             }
-            let hysteresis = hysteresis.map(|band| scale.counts("excitation.hysteresis", (band / scale.step).ceil() * scale.step));
+            let hysteresis =
+                hysteresis.map(|band| scale.counts("excitation.hysteresis", (band / scale.step).ceil() * scale.step));
             let h1_code = scale.code("excitation.h1", h1)?;
             // Both rounded up can be one code more than there is.
             let h2_code = scale.code("excitation.h2", h2)?.min(i16::MAX - h1_code);

@@ -14,7 +14,7 @@ pub struct Scale {
     /// Units of drive and position.
     pub units: Units,
     /// Drive units at full scale code.
-    full_scale: f64,
+    full_drive: f64,
     /// Position units per count.
     pub step: f64,
     /// Counts per position unit where that is the rounder number.
@@ -39,7 +39,11 @@ impl Scale {
             ("drive_full_scale", f64::from(info.drive_full_scale), valid(info.drive_full_scale)),
         ] {
             if !valid {
-                return Err(DeviceError::Range { what, value, need: "the board reports a scale that is of no use".into() });
+                return Err(DeviceError::Range {
+                    what,
+                    value,
+                    need: "the board reports a scale that is of no use".into(),
+                });
             }
         }
         let mut step = decimal(info.position_per_count);
@@ -59,7 +63,7 @@ impl Scale {
         Ok(Self {
             tick_hz: f64::from(info.tick_hz),
             units: Units { u: info.drive_unit.symbol().into(), x: info.position_unit.symbol().into() },
-            full_scale: decimal(info.drive_full_scale),
+            full_drive: decimal(info.drive_full_scale),
             step,
             per_unit: (per_unit >= 1.0 && (per_unit * step - 1.0).abs() < 1e-14).then_some(per_unit),
         })
@@ -83,12 +87,12 @@ impl Scale {
 
     /// Drive of a code, drive units.
     pub fn drive(&self, code: i32) -> f64 {
-        f64::from(code) * self.full_scale / f64::from(FULL_SCALE_CODE)
+        f64::from(code) * self.full_drive / f64::from(FULL_SCALE_CODE)
     }
 
     /// Largest drive there is, drive units.
     pub fn drive_max(&self) -> f64 {
-        self.full_scale
+        self.full_drive
     }
 
     /// The nearest code of a positive drive.
@@ -96,12 +100,16 @@ impl Scale {
     /// # Errors
     /// [`DeviceError::Range`] names `what`: it rounds to nothing, or is more than full drive.
     pub fn code(&self, what: &'static str, drive: f64) -> Result<i16, DeviceError> {
-        let code = (drive / self.full_scale * f64::from(FULL_SCALE_CODE)).round();
+        let code = (drive / self.full_drive * f64::from(FULL_SCALE_CODE)).round();
         if code >= 1.0 && code <= f64::from(FULL_SCALE_CODE) {
             return Ok(code as i16);
         }
-        let (least, most) = (self.drive(1), self.full_scale);
-        Err(DeviceError::Range { what, value: drive, need: format!("it drives with {least:.2e} to {most} {}", self.units.u) })
+        let (least, most) = (self.drive(1), self.full_drive);
+        Err(DeviceError::Range {
+            what,
+            value: drive,
+            need: format!("it drives with {least:.2e} to {most} {}", self.units.u),
+        })
     }
 
     /// The nearest number of counts of a distance, ≥ 0.
@@ -135,8 +143,11 @@ impl Scale {
     /// # Errors
     /// [`DeviceError::Range`] names `what`.
     pub fn phase_step(&self, what: &'static str, period_s: f64) -> Result<u32, DeviceError> {
-        phase_step(period_s * self.tick_hz)
-            .ok_or_else(|| DeviceError::Range { what, value: period_s, need: "2 to 2³² control ticks".into() })
+        phase_step(period_s * self.tick_hz).ok_or_else(|| DeviceError::Range {
+            what,
+            value: period_s,
+            need: "2 to 2³² control ticks".into(),
+        })
     }
 }
 

@@ -46,18 +46,24 @@ pub fn set(settings: &mut Settings, assignment: &str) -> Result<(), String> {
         "position_unit" => {
             let unit = PositionUnit::ALL.into_iter().find(|unit| unit.symbol() == text);
             settings.position_unit = unit.ok_or_else(|| {
-                format!("position_unit = {text} is not known; there are {}", PositionUnit::ALL.map(PositionUnit::symbol).join(", "))
+                format!(
+                    "position_unit = {text} is not known; there are {}",
+                    PositionUnit::ALL.map(PositionUnit::symbol).join(", ")
+                )
             })?;
         }
         "drive_unit" => {
             let unit = DriveUnit::ALL.into_iter().find(|unit| unit.symbol() == text);
             settings.drive_unit = unit.ok_or_else(|| {
-                format!("drive_unit = {text} is not known; there are {}", DriveUnit::ALL.map(DriveUnit::symbol).join(", "))
+                format!(
+                    "drive_unit = {text} is not known; there are {}",
+                    DriveUnit::ALL.map(DriveUnit::symbol).join(", ")
+                )
             })?;
         }
         _ => {
             let value: Value = serde_json::from_str(text).map_err(|_| wrong())?;
-            let mut fields = serde_json::to_value(&*settings).map_err(|error| error.to_string())?;
+            let mut fields = serde_json::to_value(*settings).map_err(|error| error.to_string())?;
             fields[name] = value;
             *settings = serde_json::from_value(fields).map_err(|_| wrong())?;
         }

@@ -40,7 +40,9 @@ pub fn refusal(error: &CommandError) -> String {
         CommandError::Settings(field) => {
             format!("{} is out of range: it must be {}; no setting was changed", field.name(), field.need())
         }
-        CommandError::Busy(mode) => format!("it is in mode `{}`: stop it first (`breakaway device … stop`)", mode.name()),
+        CommandError::Busy(mode) => {
+            format!("it is in mode `{}`: stop it first (`breakaway device … stop`)", mode.name())
+        }
         CommandError::Faulted => {
             "a fault is latched: read it (`breakaway device … fault`), remove its cause, `clear` it".into()
         }
@@ -84,9 +86,9 @@ pub fn fault(record: &FaultRecord) -> String {
             "the encoder stood still for {value} ticks under drive (limit {limit}): check its cable, or the axis is blocked \
              (or `frozen_drive_code` is below its break-away force)"
         ),
-        FaultCause::EncoderJump => format!(
-            "the encoder jumped by {value} counts in one tick (limit {limit}): check its cable and shield"
-        ),
+        FaultCause::EncoderJump => {
+            format!("the encoder jumped by {value} counts in one tick (limit {limit}): check its cable and shield")
+        }
         FaultCause::EncoderError => "the encoder did not answer: check its supply and cable".into(),
         FaultCause::TickOverrun => format!("{value} control ticks in a row were late (limit {limit})"),
         FaultCause::LinkLost => {
@@ -103,9 +105,9 @@ pub fn fault(record: &FaultRecord) -> String {
         FaultCause::ModelLost => {
             "the saved model was damaged or of another version; none is loaded: load and save it again".into()
         }
-        FaultCause::WrongDirection => format!(
-            "the axis moved {value} counts against the drive: swap the motor's leads, or set encoder_reversed"
-        ),
+        FaultCause::WrongDirection => {
+            format!("the axis moved {value} counts against the drive: swap the motor's leads, or set encoder_reversed")
+        }
         FaultCause::ResetWhileDriven => "the board was reset (pin or supply) while the drive was on".into(),
         FaultCause::NotFinite => "the controller's output was not a finite number: check gains and model".into(),
     }
@@ -141,7 +143,9 @@ pub fn ending(ending: Ending, scale: &Scale, settings: &Settings) -> String {
                         scale.position(high)
                     )
                 }
-                Limit::Bound => format!("the experiment's travel limit: {:.4} {unit} from the start", scale.position(value)),
+                Limit::Bound => {
+                    format!("the experiment's travel limit: {:.4} {unit} from the start", scale.position(value))
+                }
                 Limit::Speed => format!(
                     "speed limit: {value} counts/s, allowed {} (setting speed_max_counts_per_s)",
                     settings.speed_max_counts_per_s
@@ -168,7 +172,12 @@ pub fn event(event: &Event, scale: &Scale, settings: &Settings) -> String {
         Event::Started => "board started".into(),
         Event::FaultRaised(record) => format!("FAULT {}: {}", cause_name(record.cause), fault(record)),
         Event::ExperimentEnded(ended) => {
-            format!("{} ended after {} ticks: {}", ended.mode.name(), ended.ticks, self::ending(ended.ending, scale, settings))
+            format!(
+                "{} ended after {} ticks: {}",
+                ended.mode.name(),
+                ended.ticks,
+                self::ending(ended.ending, scale, settings)
+            )
         }
         Event::ModelMismatch(Mismatch { direction, speed_bin, position_bin, score }) => {
             let way = match direction {

@@ -25,7 +25,7 @@ impl Recording {
             return Err(invalid("the columns differ in length"));
         }
         if let Some(tick_s) = self.evenly_sampled() {
-            writeln!(out, "# tick: {tick_s:?} s")?;
+            writeln!(out, "# tick: {:?} s", decimal(tick_s))?;
         }
         let (u, x) = (unit(&self.units.u), unit(&self.units.x));
         writeln!(out, "# units: u={u}, x={x}")?;
@@ -50,6 +50,12 @@ impl Recording {
         }
         Ok(())
     }
+}
+
+/// A tick without the last digits that differences of a running time leave: 0.001, not 0.001000000000000004.
+fn decimal(tick_s: f64) -> f64 {
+    let rate_hz = (1.0 / tick_s).round();
+    if rate_hz >= 1.0 && (tick_s * rate_hz - 1.0).abs() < 1e-9 { 1.0 / rate_hz } else { tick_s }
 }
 
 fn invalid(what: &str) -> io::Error {

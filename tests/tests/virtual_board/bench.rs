@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use breakaway::command::run::papers_plant;
 use breakaway::command::virtual_board::settings;
 use breakaway::device::Client;
-use breakaway::device::virtual_board::{Fault, Machine, Options, Seen, VirtualBoard};
+use breakaway::device::virtual_board::{Fault, Machine, Options, VirtualBoard};
 use breakaway::model::Model;
 use breakaway_core::link::{
     BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Message, Mode, Reference, Relay,
@@ -141,11 +141,10 @@ impl Bench {
     }
 
     /// Injects a fault and follows the drive, as the plant sees it, until it is off: within `ticks`.
-    pub fn breaks(&mut self, fault: Fault, ticks: u64) -> u64 {
+    pub fn breaks(&mut self, fault: Fault, ticks: u64) {
         let seen = self.board.watch();
         self.board.inject(fault);
         let first = seen.recv().unwrap();
-        let mut last_driven: Option<Seen> = (first.code != 0).then_some(first);
         let mut quiet = 0;
         // As long without any drive as the longest stay at 0 of a running relay, which has none.
         while quiet < 50 {
@@ -153,8 +152,12 @@ impl Bench {
             if now.code == 0 {
                 quiet += 1;
             } else {
-                (quiet, last_driven) = (0, Some(now));
-                assert!(now.tick - first.tick <= ticks, "{fault:?}: still driven after {} ticks", now.tick - first.tick);
+                quiet = 0;
+                assert!(
+                    now.tick - first.tick <= ticks,
+                    "{fault:?}: still driven after {} ticks",
+                    now.tick - first.tick
+                );
             }
             // The host goes on saying that it is there.
             while self.client.receive(Duration::ZERO).is_ok_and(|message| {
@@ -167,7 +170,6 @@ impl Bench {
                 true
             }) {}
         }
-        last_driven.map_or(0, |last| last.tick + 1 - first.tick)
     }
 
     /// The fault is latched, has been told, and everything up to it has been captured.

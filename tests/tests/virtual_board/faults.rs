@@ -13,8 +13,7 @@ fn a_frozen_encoder() {
     let mut bench = Bench::new(|options| options.settings.frozen_ticks = 200);
     bench.swing();
     // The settings' 200 ticks, up to half a cycle (T = 0.73 s) until both relays push the same way, and two.
-    let ticks = bench.breaks(Fault::EncoderFrozen, 200 + 366 + 2);
-    assert!(ticks >= 200);
+    bench.breaks(Fault::EncoderFrozen, 200 + 366 + 2);
     let record = bench.kept(FaultCause::EncoderFrozen);
     assert_eq!((record.value, record.limit), (200, 200));
 }
@@ -118,7 +117,7 @@ fn garbage_on_the_link() {
                 (state >> 24) as u8
             })
             .collect();
-        frames += noise.iter().filter(|byte| **byte == 0).count();
+        frames += noise.split(|byte| *byte == 0).count() - 1;
         port.write_all(&noise).unwrap();
         bench.until("a status", |_| true);
     }

@@ -8,7 +8,7 @@ use breakaway_core::link::{Command, Ending, Reply, Verdict};
 use crate::bench::{Bench, options, start};
 
 /// The program itself.
-fn breakaway(arguments: &[&str]) -> serde_json::Value {
+pub fn breakaway(arguments: &[&str]) -> serde_json::Value {
     let output = Process::new(program()).args(arguments).arg("--json").stdin(Stdio::null()).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "breakaway {}: {said}", arguments.join(" "));

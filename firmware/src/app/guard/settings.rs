@@ -58,7 +58,7 @@ impl Guards {
             tick_hz,
             current_ma: settings.current_max_ma,
             mean_drive_code: settings.mean_drive_max_code,
-            mean_shift: (u32::BITS - 1 - tick_hz.leading_zeros()) as u8,
+            mean_shift: (u32::BITS - 1 - tick_hz.leading_zeros()).min(16) as u8,
             frozen_ticks: settings.frozen_ticks,
             frozen_drive_code: settings.frozen_drive_code,
             jump_counts: settings.jump_counts,

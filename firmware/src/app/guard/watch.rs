@@ -40,8 +40,8 @@ pub(in crate::app) struct Watch {
     may_stick: bool,
     /// Leaky average of the counts in 16 ticks, times 16.
     speed: i32,
-    /// Leaky average of |drive|, times 2^shift.
-    mean_drive: u64,
+    /// Leaky average of |drive|, times 2^shift: below 2¹⁵·2¹⁶.
+    mean_drive: u32,
     still_ticks: u32,
     silent_ticks: u32,
     /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
@@ -119,10 +119,10 @@ impl Watch {
         if speed.unsigned_abs() > guards.counts_in_16_ticks {
             return end(Limit::Speed, guards.counts_per_s(speed));
         }
-        let drive = u64::from(seen.drive.unsigned_abs());
+        let drive = u32::from(seen.drive.unsigned_abs());
         let mean = self.mean_drive >> guards.mean_shift;
         self.mean_drive = self.mean_drive - mean + drive;
-        if mean > u64::from(guards.mean_drive_code.unsigned_abs()) {
+        if mean > u32::from(guards.mean_drive_code.unsigned_abs()) {
             return end(Limit::MeanDrive, mean as i32);
         }
         Verdict::Fine

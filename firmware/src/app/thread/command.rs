@@ -20,6 +20,7 @@ enum Outcome<'a, P> {
 }
 
 impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
+    #[inline(never)]
     pub(super) fn obey(&mut self, request: Request) {
         let Request { id, command } = request;
         let outcome = command.validate().and_then(|()| self.decide(command));

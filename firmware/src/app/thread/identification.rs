@@ -20,8 +20,8 @@ use cycle::CycleTimer;
 
 /// Delay line of the weak form: a half-width of the velocity's sign of up to 63 samples.
 const LINE: usize = 128;
-/// Experiments whose sums are kept.
-const EXPERIMENTS: usize = 3;
+/// Experiments whose sums are kept, the last ones; 1.8 KiB each. c and f1 need two with different h2.
+const EXPERIMENTS: usize = 2;
 /// Half-width of the velocity's sign in periods (identification.md section 4: 0.01 to 0.02).
 const HALF_WIDTH: f32 = 0.01;
 /// Relative change from one period to the next below which the sine fit starts: at 100 cycles and 32 blocks it may be
@@ -100,6 +100,7 @@ impl Identification {
     }
 
     /// An experiment has started; its samples follow.
+    #[inline(never)]
     pub fn start(&mut self, experiment: Experiment) {
         if !experiment.append {
             self.blocks.clear();
@@ -121,6 +122,7 @@ impl Identification {
     }
 
     /// Takes a sample, of any mode; what it makes necessary.
+    #[inline(never)]
     pub fn push(&mut self, sample: &Sample, settings: &Settings, tick_hz: u32) -> Option<Want> {
         let active = self.active.as_mut()?;
         if sample.mode != Mode::Relay {
@@ -159,6 +161,7 @@ impl Identification {
     }
 
     /// The tick's sums of the experiment's position.
+    #[inline(never)]
     pub fn summed(&mut self, sums: &Accumulation<'_>) {
         self.sine = sums.config.fit(&*sums.sums).ok();
     }
@@ -181,6 +184,7 @@ impl Identification {
     ///
     /// # Errors
     /// [`CommandError::NothingRecorded`] before the first experiment, [`CommandError::Busy`] during one.
+    #[inline(never)]
     pub fn solve(&self, settings: &Settings, _tick_hz: u32) -> Result<Identified, CommandError> {
         if self.active.is_some() {
             return Err(CommandError::Busy(Mode::Relay));
@@ -228,6 +232,7 @@ impl Default for Identification {
 
 impl Active {
     /// Ends the run when it is to end as soon as its cycle has settled, or cannot.
+    #[inline(never)]
     fn judge(&mut self, error_counts: i32, drive: f32, ts: f32, settings: &Settings) -> Option<Want> {
         if !self.experiment.until_settled || !self.experiment.still || self.judged {
             return None;

@@ -81,11 +81,14 @@ pub struct App<'q, 'a, P: Planner, W, S> {
     fault: Option<FaultRecord>,
     overruns: u32,
     reboot: bool,
+    /// The tick runs, and has said whether a fault is latched.
+    ticking: bool,
 }
 
 impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     /// Settings and model as `loaded` from the store (see [`guards`] for the tick's start); `sums` is lent to the tick
     /// during relay experiments.
+    #[inline(never)]
     pub fn new(
         channels: AppEnd<'q, 'a, P::Plan>,
         planner: P,
@@ -115,6 +118,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             fault: None,
             overruns: 0,
             reboot: false,
+            ticking: false,
         };
         app.outbox.event(Event::Started);
         if let Some((cause, found)) = loaded.lost {
@@ -127,11 +131,12 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     pub fn poll(&mut self) -> Wish {
         self.take_samples();
         self.take_events();
-        if self.waiting.is_none() && self.outbox.can_reply() {
+        // Before the first tick nothing true can be said of the board.
+        if self.ticking && self.waiting.is_none() && self.outbox.can_reply() {
             self.receive();
         }
         self.send();
-        if self.reboot && self.outbox.is_empty() { Wish::Reboot } else { Wish::Nothing }
+        if self.reboot && self.outbox.is_empty() && self.wire.idle() { Wish::Reboot } else { Wish::Nothing }
     }
 
     /// Settings or model in flash could not be used.
@@ -149,6 +154,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         let _ = self.channels.orders.enqueue(Order::Fault(record));
     }
 
+    #[inline(never)]
     fn take_samples(&mut self) {
         // Samples that do not fit the wire now wait in their queue, as long as there is room for new ones.
         while self.stream.ready() || self.channels.samples.len() > self.channels.samples.capacity() / 2 {
@@ -156,6 +162,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
                 break;
             };
             self.last = sample;
+            self.ticking = true;
             self.stream.push(sample);
             if let Some(order) = self.identification.push(&sample, &self.settings, self.identity.tick_hz) {
                 self.carry_on(order);
@@ -183,6 +190,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         }
     }
 
+    #[inline(never)]
     fn take_events(&mut self) {
         while let Some(event) = self.channels.events.peek() {
             // What a run recorded comes before its end.
@@ -198,6 +206,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             match event {
                 TickEvent::Answer(answer) => self.answered(answer),
                 TickEvent::Fault(record) => {
+                    self.ticking = true;
                     self.fault = Some(record);
                     self.outbox.event(Event::FaultRaised(record));
                 }
@@ -238,6 +247,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         self.outbox.reply(id, Reply::Done);
     }
 
+    #[inline(never)]
     fn receive(&mut self) {
         let mut bytes = [0; READ_BYTES];
         if self.unread.is_empty() {
@@ -269,6 +279,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     fn send(&mut self) {
         self.outbox.fill(&mut self.stream);
         self.outbox.send(&mut self.wire);
+        self.wire.flush();
     }
 }
 

@@ -47,6 +47,7 @@ impl Outbox {
     }
 
     /// Takes the next message, if the frame before is out.
+    #[inline(never)]
     pub(super) fn fill(&mut self, stream: &mut Stream) {
         if self.sent < self.length {
             return;

@@ -1,8 +1,16 @@
 //! From a command to what the controller in the tick needs.
 
-use breakaway_core::link::{CommandError, Model, Settings, Track};
+use breakaway_core::control::{
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Pid, Sine, TuningError,
+};
+use breakaway_core::excite::waveform::phase_step;
+use breakaway_core::link::{
+    CommandError, Controller as Wire, FULL_SCALE_CODE, Field, Model, Settings, Track, Trajectory,
+};
+use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
 
 use crate::app::control::{Controller, NoController};
+use crate::app::track::{Path, TrackController, TrackPlan};
 
 /// Makes plans for a [`Controller`].
 pub trait Planner {
@@ -27,5 +35,159 @@ impl Planner for NoController {
 
     fn plan(&self, _: &Track, _: Option<&Model>, _: &Settings, _: u32) -> Result<Self::Plan, CommandError> {
         Err(CommandError::Unsupported)
+    }
+}
+
+/// Filter on the error's difference, ticks: an encoder's count is not a position.
+const FILTER_TICKS: f64 = 2.0;
+/// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
+const NO_INERTIA: f64 = 1e-30;
+
+impl Planner for TrackController {
+    type Plan = TrackPlan;
+
+    fn plan(
+        &self,
+        track: &Track,
+        model: Option<&Model>,
+        settings: &Settings,
+        tick_hz: u32,
+    ) -> Result<TrackPlan, CommandError> {
+        // The gains' limits follow from the inertia: without a model they cannot be checked.
+        let model = model.ok_or(CommandError::Range(Field::B))?;
+        let base: Base<f64> = model.base()?;
+        let tick_s = 1.0 / f64::from(tick_hz.max(1));
+        let limit =
+            f64::from(settings.drive_full_scale) * f64::from(settings.drive_max_code) / f64::from(FULL_SCALE_CODE);
+        let (path, speed, acceleration) = path(&track.trajectory, tick_s)?;
+        let law = match track.controller {
+            Wire::Pid(wire) => {
+                let kd = f64::from(wire.kd);
+                if kd <= 0.0 {
+                    return Err(CommandError::Range(Field::Kd));
+                }
+                let gains = Gains {
+                    b: base.b,
+                    kv: kd / base.b,
+                    lambda1: f64::from(wire.ki) / kd,
+                    lambda2: f64::from(wire.kp) / kd,
+                    filter_s: FILTER_TICKS * tick_s,
+                };
+                let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
+                Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
+            }
+            Wire::Adaptive(wire) => {
+                let gains = Gains {
+                    b: base.b,
+                    kv: f64::from(wire.kv),
+                    lambda1: f64::from(wire.lambda1),
+                    lambda2: f64::from(wire.lambda2),
+                    filter_s: FILTER_TICKS * tick_s,
+                };
+                let start = Estimates { b: base.b, c: base.c, f1: base.f1, f: 0.0 };
+                let unit = Adaptation::normalised(&start, 1.0, speed, acceleration, f64::from(wire.delta));
+                // Gains go with the square of the rate; a and f2 act on one and the same parameter.
+                let [a, b, f1, f2, f] = wire.rates.map(|rate| f64::from(rate) * f64::from(rate));
+                let scaled = Estimates {
+                    b: unit.gains.b * b,
+                    c: unit.gains.c * (a + f2),
+                    f1: unit.gains.f1 * f1,
+                    f: unit.gains.f * f,
+                };
+                let adaptation = Adaptation { gains: scaled, ..unit };
+                let law = Adaptive::new(&gains, &adaptation, &start, tick_s, 1, limit);
+                Law::adaptive(law.map_err(|error| CommandError::Range(adaptive(error)))?)
+            }
+        };
+        let law = match compensator(track, model, &base)? {
+            Some(compensator) => law.with_compensator(compensator),
+            None => law,
+        };
+        Ok(TrackPlan {
+            law,
+            path,
+            position_per_count: settings.position_per_count,
+            counts_per_position: 1.0 / settings.position_per_count,
+            codes_per_drive: f32::from(FULL_SCALE_CODE) / settings.drive_full_scale,
+        })
+    }
+}
+
+/// The path, its largest speed and acceleration.
+fn path(trajectory: &Trajectory, tick_s: f64) -> Result<(Path, f64, f64), CommandError> {
+    let wrong = CommandError::Range(Field::TrajectoryTime);
+    Ok(match *trajectory {
+        Trajectory::Hold => (Path::Hold, 0.0, 0.0),
+        Trajectory::Step { distance } => (Path::Step(distance), 0.0, 0.0),
+        Trajectory::Sine { amplitude, period_s } => {
+            let frequency = 1.0 / f64::from(period_s);
+            let omega = core::f64::consts::TAU * frequency;
+            let peak = f64::from(amplitude).abs();
+            let sine = Sine::new(f64::from(amplitude), frequency, tick_s).map_err(|_| wrong)?;
+            (Path::Sine(sine), peak * omega, peak * omega * omega)
+        }
+        Trajectory::Triangle { amplitude, period_s } => {
+            let phase_step = phase_step(f64::from(period_s) / tick_s).ok_or(wrong)?;
+            let speed = 4.0 * amplitude / period_s;
+            (Path::Triangle { amplitude, phase_step, speed }, f64::from(speed).abs(), 0.0)
+        }
+        Trajectory::MinimumJerk { distance, duration_s } => {
+            let ticks = f64::from(duration_s) / tick_s;
+            if !(1.0..2e9).contains(&ticks) {
+                return Err(wrong);
+            }
+            let (size, per_s) = (f64::from(distance).abs(), 1.0 / f64::from(duration_s));
+            let path = Path::MinimumJerk {
+                distance,
+                per_ticks: (1.0 / ticks) as f32,
+                per_s: per_s as f32,
+                ticks: ticks as u32,
+            };
+            // 15/8 and 10/√3: the peaks of the polynomial's derivatives.
+            (path, 1.875 * size * per_s, 5.774 * size * per_s * per_s)
+        }
+    })
+}
+
+/// `None` where neither is asked for: off is absent.
+fn compensator(track: &Track, model: &Model, base: &Base<f64>) -> Result<Option<Compensator<f32>>, CommandError> {
+    if !track.feed_forward && !track.compensation {
+        return Ok(None);
+    }
+    let (b, c) = if track.feed_forward { (base.b, base.c) } else { (NO_INERTIA, 0.0) };
+    let f1 = if track.compensation { base.f1 } else { 0.0 };
+    let mut effects: heapless::Vec<Effect<f64>, MAX_EFFECTS> = heapless::Vec::new();
+    let wanted = if track.compensation { model.effects.len() } else { 0 };
+    for effect in (0..wanted).filter_map(|index| model.effect(index)) {
+        // As many as the model can hold.
+        let _ = effects.push(effect?);
+    }
+    let compensator = Compensator::new(&Base { b, c, f1 }, &effects);
+    let compensator = compensator.map_err(|_| CommandError::Range(Field::EffectParameters))?;
+    Ok(Some(compensator.on()))
+}
+
+fn tuning(error: TuningError) -> Field {
+    match error {
+        TuningError::B => Field::B,
+        TuningError::C => Field::C,
+        TuningError::Limit => Field::DriveMax,
+        TuningError::Tick | TuningError::Gain | TuningError::Bandwidth { .. } => Field::Kp,
+        TuningError::Rate { .. } => Field::Kd,
+    }
+}
+
+fn adaptive(error: AdaptiveError) -> Field {
+    match error {
+        AdaptiveError::Gains(TuningError::Rate { .. } | TuningError::Gain) => Field::Kv,
+        AdaptiveError::Gains(error) => tuning(error),
+        AdaptiveError::Delta => Field::Delta,
+        AdaptiveError::Start | AdaptiveError::SmallestB => Field::B,
+        AdaptiveError::Motion => Field::TrajectorySize,
+        AdaptiveError::Sigma
+        | AdaptiveError::B { .. }
+        | AdaptiveError::C { .. }
+        | AdaptiveError::F1 { .. }
+        | AdaptiveError::F { .. } => Field::Rates,
     }
 }

@@ -224,7 +224,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
             self.fail(FaultCause::NotFinite, 0, 0);
             return count;
         };
-        let cut = command.clamp(-limit, limit);
+        // Not `clamp`, which panics where it cannot see that the limit is positive.
+        let cut = command.min(limit).max(-limit);
         match self.board.drive().apply(cut) {
             Ok(applied) => self.applied = Applied { limited: applied.limited || cut != command, ..applied },
             Err(_) => self.fail(FaultCause::DriveStage, command, 0),

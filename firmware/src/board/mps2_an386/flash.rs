@@ -52,6 +52,7 @@ impl SimulatedFlash {
         flash
     }
 
+    #[allow(clippy::unused_self, reason = "the borrow of the one driver is what makes the image its own")]
     fn image(&mut self) -> &mut [u8] {
         // SAFETY: SIZE bytes of PSRAM that only this driver uses, and there is one driver; any bytes are valid.
         unsafe { core::slice::from_raw_parts_mut(IMAGE as *mut u8, SIZE) }

@@ -9,7 +9,7 @@ mod uart;
 
 pub use flash::SimulatedFlash;
 pub use lockstep::{BOOT, Lockstep, Next, Received};
-pub use uart::Uart;
+pub use uart::{Link, Uart};
 
 use breakaway_core::link::FULL_SCALE_CODE;
 

@@ -62,6 +62,71 @@ impl Uart {
     }
 }
 
+/// The link's UART with a buffer behind it that holds what the host is slow to take, as the USB bridge of a real board
+/// does: the emulated board does not wait for a busy machine.
+#[derive(Debug)]
+pub struct Link {
+    uart: Uart,
+    /// Bytes put into the buffer and taken out of it since the start; wrap.
+    put: usize,
+    taken: usize,
+}
+
+/// In PSRAM, behind the flash's image.
+const BUFFER: usize = super::PSRAM + 0x10_0000;
+/// A power of two.
+const BUFFER_BYTES: usize = 1 << 20;
+
+impl Link {
+    /// UART0 with its buffer.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { uart: Uart::link(), put: 0, taken: 0 }
+    }
+
+    fn place(at: usize) -> *mut u8 {
+        (BUFFER + at % BUFFER_BYTES) as *mut u8
+    }
+}
+
+impl Default for Link {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Wire for Link {
+    fn read(&mut self, buffer: &mut [u8]) -> usize {
+        self.uart.read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> usize {
+        let room = BUFFER_BYTES - self.put.wrapping_sub(self.taken);
+        let used = room.min(bytes.len());
+        for byte in bytes.iter().take(used) {
+            // SAFETY: inside the buffer, PSRAM that only this link uses.
+            unsafe { Self::place(self.put).write_volatile(*byte) };
+            self.put = self.put.wrapping_add(1);
+        }
+        used
+    }
+
+    fn flush(&mut self) {
+        while self.put != self.taken {
+            // SAFETY: as in `write`; written there before.
+            let byte = unsafe { Self::place(self.taken).read_volatile() };
+            if self.uart.write(&[byte]) == 0 {
+                return;
+            }
+            self.taken = self.taken.wrapping_add(1);
+        }
+    }
+
+    fn idle(&self) -> bool {
+        self.put == self.taken
+    }
+}
+
 impl Wire for Uart {
     fn read(&mut self, buffer: &mut [u8]) -> usize {
         let mut read = 0;

@@ -55,9 +55,10 @@ fn a_multisine_fills_the_table_with_its_lines() {
     assert_eq!(points.iter().fold(0.0, |peak: f64, p| peak.max(p.abs())), 32_767.0);
     let power = |k: usize| {
         let turn = std::f64::consts::TAU * k as f64 / 512.0;
-        let (c, s) = points.iter().enumerate().fold((0.0, 0.0), |(c, s), (i, p)| {
-            (c + p * (turn * i as f64).cos(), s + p * (turn * i as f64).sin())
-        });
+        let (c, s) = points
+            .iter()
+            .enumerate()
+            .fold((0.0, 0.0), |(c, s), (i, p)| (c + p * (turn * i as f64).cos(), s + p * (turn * i as f64).sin()));
         (c * c + s * s).sqrt() / 256.0
     };
     // Rounding to integers moves a line's amplitude by at most about √(2/512)·0.29 = 0.02 standard deviations.
@@ -73,8 +74,7 @@ fn a_multisine_fills_the_table_with_its_lines() {
 fn what_a_board_cannot_do_is_named() {
     let relay = |h1, h2| {
         let mut experiment = suite_of(0.5).remove(0);
-        experiment.excitation =
-            Excitation::Relay { h1, h2, hysteresis: None, reference: experiment::Reference::Start };
+        experiment.excitation = Excitation::Relay { h1, h2, hysteresis: None, reference: experiment::Reference::Start };
         commands(&experiment, &scale())
     };
     assert!(relay(20.0, 5.0).unwrap_err().to_string().starts_with("excitation.h1 + h2 = 25"));

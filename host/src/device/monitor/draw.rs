@@ -20,7 +20,10 @@ const SMALLEST: (u16, u16) = (80, 24);
 pub fn draw(state: &State, plain: bool, area: Rect, buffer: &mut Buffer) {
     if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
         let (width, height) = SMALLEST;
-        let text = format!("The monitor needs {width} × {height} characters, this terminal has {} × {}. q quits.", area.width, area.height);
+        let text = format!(
+            "The monitor needs {width} × {height} characters, this terminal has {} × {}. q quits.",
+            area.width, area.height
+        );
         Paragraph::new(text).wrap(ratatui::widgets::Wrap { trim: true }).render(area, buffer);
         return;
     }
@@ -29,7 +32,7 @@ pub fn draw(state: &State, plain: bool, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(7),
         Constraint::Fill(3),
         Constraint::Fill(2),
-        Constraint::Length(4),
+        Constraint::Length(5),
         Constraint::Length(1),
     ])
     .areas(area);
@@ -49,15 +52,18 @@ pub fn draw(state: &State, plain: bool, area: Rect, buffer: &mut Buffer) {
 
 fn header(state: &State, area: Rect, buffer: &mut Buffer) {
     let text = format!(" breakaway monitor  {}  {}", state.title, state.port);
-    let mut text: String = text.chars().take(usize::from(area.width)).collect();
-    if state.frozen {
-        text.truncate(text.floor_char_boundary(usize::from(area.width).saturating_sub(10)));
-        text.push_str("  [frozen]");
-    }
+    // Cut by characters: a narrow screen must not cut one in two.
+    let width = usize::from(area.width);
+    let frozen = "  [frozen]";
+    let text: String = if state.frozen {
+        text.chars().take(width.saturating_sub(frozen.len())).chain(frozen.chars()).collect()
+    } else {
+        text.chars().take(width).collect()
+    };
     Paragraph::new(text).style(Style::new().add_modifier(Modifier::REVERSED)).render(area, buffer);
 }
 
-fn row<'a>(label: &'a str, value: String, style: Style) -> Line<'a> {
+fn row(label: &str, value: String, style: Style) -> Line<'_> {
     Line::from(vec![Span::styled(format!(" {label:<11}"), LABEL), Span::styled(value, style)])
 }
 
@@ -92,12 +98,12 @@ fn link_numbers(state: &State, area: Rect, buffer: &mut Buffer) {
     let damaged_there = state.status.map_or(0, |status| u64::from(status.bad_frames));
     let lines = vec![
         row("rate", format!("{samples:.0} samples/s, {:.1} kB/s", bytes / 1000.0), Style::new()),
+        row("missing", format!("{} samples, {} by the board", totals.missing, totals.dropped), bad(totals.missing)),
         row(
-            "missing",
-            format!("{} samples ({} dropped there)", totals.missing, totals.dropped),
-            bad(totals.missing),
+            "damaged",
+            format!("{} frames here, {damaged_there} there", state.damaged),
+            bad(state.damaged + damaged_there),
         ),
-        row("damaged", format!("{} frames here, {damaged_there} there", state.damaged), bad(state.damaged + damaged_there)),
         row("late ticks", late.to_string(), bad(late)),
         row("unsaved", if unsaved { "settings or model" } else { "nothing" }.to_owned(), Style::new()),
     ];
@@ -120,7 +126,13 @@ fn curve(
     let curves: Vec<Vec<(f64, f64)>> = more.iter().copied().chain([value]).map(line).collect();
     let all = curves.iter().flatten().map(|point| point.1);
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    let (low, high) = if low < high { (low, high) } else if low == high { (low - 1.0, high + 1.0) } else { (-1.0, 1.0) };
+    let (low, high) = if low < high {
+        (low, high)
+    } else if low == high {
+        (low - 1.0, high + 1.0)
+    } else {
+        (-1.0, 1.0)
+    };
     let datasets = curves
         .iter()
         .enumerate()

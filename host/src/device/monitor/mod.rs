@@ -145,3 +145,6 @@ fn key(wait: Duration) -> std::io::Result<Option<Key>> {
         _ => None,
     })
 }
+
+#[cfg(test)]
+mod tests;

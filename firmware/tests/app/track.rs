@@ -1,0 +1,95 @@
+//! Track and Hold.
+
+use breakaway_core::control::tune;
+use breakaway_core::link::{
+    Adaptive, Bounds, Command, CommandError, Controller, Ending, Field, Mode, Model, Pid, Reply, Sample, Track,
+    Trajectory,
+};
+
+use crate::bench::{Bench, PLANT, STEP};
+
+fn model() -> Model {
+    let (b, c, f1) = (PLANT.b as f32, PLANT.c as f32, PLANT.f1 as f32);
+    Model { b, c, f1, effects: heapless::Vec::new() }
+}
+
+/// A PID for 8 Hz of bandwidth.
+fn pid() -> Controller {
+    let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
+    let kd = gains.b * gains.kv;
+    Controller::Pid(Pid { kp: (kd * gains.lambda2) as f32, ki: (kd * gains.lambda1) as f32, kd: kd as f32 })
+}
+
+fn adaptive() -> Controller {
+    let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
+    Controller::Adaptive(Adaptive {
+        kv: gains.kv as f32,
+        lambda1: gains.lambda1 as f32,
+        lambda2: gains.lambda2 as f32,
+        delta: 0.5,
+        rates: [0.0, 1.0, 3.0, 1.0, 0.0],
+    })
+}
+
+fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
+    let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
+    Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
+}
+
+/// The samples of a run of 4 s.
+fn run(command: Command, mode: Mode) -> Vec<Sample> {
+    let mut bench = Bench::new();
+    assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+    assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+    assert_eq!(bench.command(command), Reply::Done);
+    assert_eq!(bench.until_ended(4100).ending, Ending::TimeUp);
+    bench.samples.into_iter().filter(|sample| sample.mode == mode).collect()
+}
+
+/// Rms error in position units over the last two seconds.
+fn rms(samples: &[Sample]) -> f64 {
+    let late = &samples[samples.len() - 2000..];
+    let square = |sample: &Sample| (f64::from(sample.reference - sample.count) * STEP).powi(2);
+    (late.iter().map(square).sum::<f64>() / late.len() as f64).sqrt()
+}
+
+const SINE: Trajectory = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+
+/// With the exact model and an ideal axis what is left is the encoder's step of 1 mrad and the reversals.
+#[test]
+fn compensation_takes_most_of_the_error_of_a_pid() {
+    let without = rms(&run(track(SINE, pid(), false), Mode::Track));
+    let with = rms(&run(track(SINE, pid(), true), Mode::Track));
+    assert!(without < 0.1, "rms error {without} rad of 1 rad");
+    assert!(with < 0.3 * without, "with compensation {with}, without {without}");
+}
+
+#[test]
+fn the_adaptive_law_follows() {
+    let error = rms(&run(track(SINE, adaptive(), false), Mode::Track));
+    // 3 % of the peak: friction is in the law's model, and starts at its true value.
+    assert!(error < 0.03, "rms error {error} rad");
+}
+
+#[test]
+fn hold_stays_and_a_move_arrives() {
+    let held = run(track(Trajectory::Hold, pid(), false), Mode::Hold);
+    assert!(held.iter().all(|sample| sample.count == 0 && sample.reference == 0));
+    let jerk = Trajectory::MinimumJerk { distance: -2.0, duration_s: 1.5 };
+    let moved = run(track(jerk, pid(), true), Mode::Track);
+    let last = moved.last().unwrap();
+    assert_eq!(last.reference, -2000);
+    // Within two hundredths of the move: the integral's last bit takes longer than the 2.5 s of rest.
+    assert!((last.count - last.reference).abs() <= 40, "{last:?}");
+}
+
+#[test]
+fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
+    let mut bench = Bench::new();
+    let wild = Controller::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0 });
+    let refused = |field| Reply::Error(CommandError::Range(field));
+    assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
+    assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+    assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
+    assert_eq!(bench.status().mode, Mode::Idle);
+}

@@ -1,0 +1,270 @@
+//! What `breakaway device` asks of a board, and how the answers are printed.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use breakaway_core::link::{Command, FaultRecord, Identified, Info, Reply, Settings};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::check;
+use crate::command::UsageError;
+use crate::command::output::Output;
+use crate::device::scale::{Scale, decimal};
+use crate::device::{Client, DeviceError, model, settings, text};
+use crate::model::Model;
+
+/// A board, and where its answers are printed.
+pub struct Board {
+    /// The connection.
+    pub client: Client,
+    /// Who it is.
+    pub info: Info,
+    /// What its integers are.
+    pub scale: Scale,
+    /// Text or JSON.
+    pub output: Output,
+}
+
+#[derive(Serialize)]
+struct Done {
+    done: &'static str,
+}
+
+impl Board {
+    pub fn done(&mut self, command: Command, text: &'static str) -> anyhow::Result<()> {
+        self.client.done(command)?;
+        self.output.print(&Done { done: text }, |done| done.done.to_owned())
+    }
+
+    pub fn info(&self) -> anyhow::Result<()> {
+        let Self { info, scale, .. } = self;
+        let document = json!({
+            "board": info.board.as_str(),
+            "firmware": info.firmware.as_str(),
+            "build": info.build.as_str(),
+            "link_version": info.protocol_version,
+            "tick_hz": info.tick_hz,
+            "counts_per_revolution": info.counts_per_revolution,
+            "position_per_count": scale.step,
+            "position_unit": scale.units.x,
+            "drive_full_scale": scale.drive_max(),
+            "drive_unit": scale.units.u,
+        });
+        self.output.print(&document, |_| {
+            let Info { board, firmware, build, protocol_version, tick_hz, counts_per_revolution, .. } = info;
+            format!(
+                "board       {board}\nfirmware    {firmware} ({build}), link version {protocol_version}\ntick        \
+                 {tick_hz} Hz\nposition    {step:e} {x} per count, {counts_per_revolution} counts per revolution\ndrive       \
+                 {full} {u} at full scale",
+                step = scale.step,
+                x = scale.units.x,
+                full = scale.drive_max(),
+                u = scale.units.u,
+            )
+        })
+    }
+
+    pub fn status(&mut self) -> anyhow::Result<()> {
+        let status = self.client.status()?;
+        let (position, drive) = (self.scale.position(status.count), self.scale.drive(status.drive_code.into()));
+        let document = json!({
+            "mode": status.mode.name(),
+            "tick": status.tick,
+            "position": position,
+            "drive": drive,
+            "decimation": status.decimation,
+            "dropped": status.dropped,
+            "damaged_frames": status.bad_frames,
+            "late_ticks": status.overruns,
+            "unsaved": status.unsaved,
+        });
+        let units = &self.scale.units;
+        self.output.print(&document, |_| {
+            format!(
+                "mode        {}\nposition    {position:.6} {}\ndrive       {drive:.4} {}\ntick        {}\nstream      {}\n\
+                 dropped     {} samples\ndamaged     {} frames\nlate        {} ticks\nunsaved     {}",
+                status.mode.name(),
+                units.x,
+                units.u,
+                status.tick,
+                if status.decimation == 0 { "off".to_owned() } else { format!("every {}. sample", status.decimation) },
+                status.dropped,
+                status.bad_frames,
+                status.overruns,
+                if status.unsaved { "settings or model changed since they were saved" } else { "nothing" },
+            )
+        })
+    }
+
+    fn read_settings(&mut self) -> Result<Settings, DeviceError> {
+        match self.client.request(Command::GetSettings)? {
+            Reply::Settings(settings) => Ok(settings),
+            _ => Err(DeviceError::Nonsense { command: "settings get" }),
+        }
+    }
+
+    pub fn settings_get(&mut self, names: &[String]) -> anyhow::Result<()> {
+        let list = settings::list(&self.read_settings()?);
+        for name in names {
+            if !list.iter().any(|(known, _)| known == name) {
+                let near = crate::nearest::nearest(name, list.iter().map(|(known, _)| known.as_str()));
+                let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+                return Err(UsageError(format!("there is no setting `{name}`{hint}")).into());
+            }
+        }
+        let chosen: Vec<_> = list.into_iter().filter(|(name, _)| names.is_empty() || names.contains(name)).collect();
+        let document: Map<String, Value> = chosen.iter().cloned().collect();
+        self.output.print(&document, |_| {
+            chosen.iter().fold(String::new(), |mut text, (name, value)| {
+                let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                let _ = writeln!(text, "{name} = {value}");
+                text
+            })
+        })
+    }
+
+    pub fn settings_set(&mut self, assignments: &[String], save: bool) -> anyhow::Result<()> {
+        let mut settings = self.read_settings()?;
+        check(&mut settings, assignments)?;
+        settings.validate().map_err(|field| {
+            UsageError(format!("{} is out of range: it must be {}; no setting was changed", field.name(), field.need()))
+        })?;
+        self.client.done(Command::SetSettings(settings))?;
+        if save {
+            self.client.done(Command::Save)?;
+            return self.output.print(&Done { done: "set and saved" }, |done| done.done.to_owned());
+        }
+        self.output.print(&Done { done: "set; `save` keeps it across resets" }, |done| done.done.to_owned())
+    }
+
+    pub fn fault(&mut self) -> anyhow::Result<()> {
+        let Reply::Fault(record) = self.client.request(Command::GetFault)? else {
+            return Err(DeviceError::Nonsense { command: "fault" }.into());
+        };
+        let document = record.map_or(Value::Null, |record| fault_json(&record, &self.scale));
+        self.output.print(&json!({ "fault": document }), |_| match record {
+            None => "no fault".to_owned(),
+            Some(record) => {
+                let FaultRecord { mode, tick, count, drive_code, .. } = record;
+                format!(
+                    "{}: {}\nat tick {tick} ({:.4} s) in mode {}, position {:.6} {}, drive {:.4} {}",
+                    text::cause_name(record.cause),
+                    text::fault(&record),
+                    self.scale.time(tick.into()),
+                    mode.name(),
+                    self.scale.position(count),
+                    self.scale.units.x,
+                    self.scale.drive(drive_code.into()),
+                    self.scale.units.u,
+                )
+            }
+        })
+    }
+
+    pub fn model_load(&mut self, model: &Model, save: bool) -> anyhow::Result<()> {
+        let wire = model::to_wire(model, &self.scale)?;
+        self.client.done(Command::LoadModel(wire))?;
+        if save {
+            self.client.done(Command::Save)?;
+            return self.output.print(&Done { done: "loaded and saved" }, |done| done.done.to_owned());
+        }
+        self.output.print(&Done { done: "loaded; `save` keeps it across resets" }, |done| done.done.to_owned())
+    }
+
+    pub fn model_get(&mut self, file: Option<&Path>) -> anyhow::Result<()> {
+        let wire = match self.client.request(Command::GetModel)? {
+            Reply::Model(Some(wire)) => wire,
+            Reply::Model(None) => return Err(anyhow::anyhow!("no model is loaded on the board")),
+            _ => return Err(DeviceError::Nonsense { command: "model get" }.into()),
+        };
+        let model = model::from_wire(&wire, &self.info, &self.scale)?;
+        if let Some(file) = file {
+            model.write(file)?;
+        }
+        let document = json!({
+            "b": model.base.b,
+            "c": model.base.c,
+            "f1": model.base.f1,
+            "effects": model.effects.iter()
+                .map(|effect| json!({ "name": effect.name, "parameters": effect.parameters }))
+                .collect::<Vec<_>>(),
+        });
+        self.output.print(&document, |_| match file {
+            Some(file) => format!("written to {}", file.display()),
+            None => model.to_toml(),
+        })
+    }
+
+    pub fn identify(&mut self) -> anyhow::Result<()> {
+        let Reply::Identified(found) = self.client.request(Command::Identify)? else {
+            return Err(DeviceError::Nonsense { command: "identify" }.into());
+        };
+        let units = &self.scale.units;
+        let rows = [("b", found.b, units.of_b()), ("c", found.c, units.of_c()), ("f1", found.f1, units.of_f1())];
+        if let Some(advice) = found.verdict.advice() {
+            return Err(anyhow::anyhow!("the board cannot identify from what it has: {advice}"));
+        }
+        let mut document = Map::new();
+        for (name, estimate, unit) in &rows {
+            let value = json!({ "value": decimal(estimate.value), "se": decimal(estimate.se), "unit": unit });
+            document.insert((*name).to_owned(), value);
+        }
+        let Identified { load, residual, condition, windows, sine, .. } = found;
+        let load = load.map(|load| json!({ "value": decimal(load.value), "se": decimal(load.se), "unit": units.u }));
+        document.insert("load".into(), load.into());
+        document.insert("residual".into(), decimal(residual).into());
+        document.insert("condition".into(), decimal(condition).into());
+        document.insert("windows".into(), windows.into());
+        let sine_json = sine.map(|sine| {
+            json!({
+                "amplitude": decimal(sine.amplitude.value),
+                "omega": decimal(sine.omega.value),
+                "phase_centre": decimal(sine.phase_centre.value),
+                "offset": decimal(sine.offset.value),
+                "rms": decimal(sine.rms),
+                "cycles": decimal(sine.cycles),
+                "se": {
+                    "amplitude": decimal(sine.amplitude.se),
+                    "omega": decimal(sine.omega.se),
+                    "phase_centre": decimal(sine.phase_centre.se),
+                    "offset": decimal(sine.offset.se),
+                },
+            })
+        });
+        document.insert("sine".into(), sine_json.into());
+        self.output.print(&document, |_| {
+            let mut text = String::from("identified on the board\n");
+            for (name, estimate, unit) in rows {
+                let _ = writeln!(text, "  {name:<4}{:>12.6} ± {:<10.2e} {unit}", estimate.value, estimate.se);
+            }
+            let _ = writeln!(text, "  from {windows} windows, residual {residual:.2e} {}", units.u);
+            if let Some(sine) = sine {
+                let _ = writeln!(
+                    text,
+                    "  last cycle: amplitude {:.6} ± {:.1e} {x}, ω {:.5} ± {:.1e} rad/s, {:.1} periods",
+                    sine.amplitude.value,
+                    sine.amplitude.se,
+                    sine.omega.value,
+                    sine.omega.se,
+                    sine.cycles,
+                    x = units.x
+                );
+            }
+            text
+        })
+    }
+}
+
+fn fault_json(record: &FaultRecord, scale: &Scale) -> Value {
+    json!({
+        "cause": text::cause_name(record.cause),
+        "text": text::fault(record),
+        "mode": record.mode.name(),
+        "tick": record.tick,
+        "position": scale.position(record.count),
+        "drive": scale.drive(record.drive_code.into()),
+        "value": record.value,
+        "limit": record.limit,
+    })
+}

@@ -1,0 +1,123 @@
+//! `cargo xtask budget`: what the firmware costs, against what it may cost and what it did cost.
+
+mod elf;
+
+use std::collections::BTreeMap;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use serde::{Deserialize, Serialize};
+
+use crate::cross::{self, Toolchain};
+use crate::run::root;
+
+/// What was measured on purpose, and committed.
+const RECORD: &str = "firmware/budget.toml";
+/// A number may grow by this factor before it is a failure.
+const RATCHET: f64 = 1.03;
+/// Instructions are counted by QEMU: each takes 2¹⁰ ns of its time, so that SysTick resolves them.
+const ICOUNT: &str = "shift=10,sleep=off";
+
+/// What may not be exceeded, whatever was recorded (name, limit, unit). Flash has no limit here: the virtual board's image
+/// is optimised for speed, and 64 KiB are the flashable board's.
+const LIMITS: [(&str, u64, &str); 3] = [
+    ("relay_tick_mean", 400, "instructions"),
+    ("adaptive_tick_mean", 600, "instructions"),
+    ("ram_bytes", 16 * 1024, "bytes"),
+];
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Record {
+    measured: BTreeMap<String, u64>,
+}
+
+/// Measures, and compares or records.
+pub fn measure(toolchain: Toolchain, record: bool) -> Result<()> {
+    crate::image::qemu()?;
+    cross::build(toolchain, &cross::INTEGER_TICK)?;
+    elf::integers_only(&cross::binary(&cross::INTEGER_TICK, "integer-tick"))?;
+    cross::build(toolchain, &cross::BUDGET)?;
+    let measured = run(&cross::binary(&cross::BUDGET, "budget"))?;
+    cross::build(toolchain, &cross::IMAGE)?;
+    let sizes = elf::sizes(&cross::binary(&cross::IMAGE, "mps2-an386"))?;
+    let statics = ["tick_bytes", "app_bytes", "channels_bytes", "sums_bytes"];
+    let state: u64 = statics.iter().filter_map(|name| measured.get(*name)).sum();
+    let mut now = measured;
+    now.insert("flash_bytes".into(), sizes.flash);
+    // The virtual board keeps tick and application on its stack; a board with interrupts has them in statics.
+    now.insert("ram_bytes".into(), sizes.ram + state);
+    if let Some(stack) = now.get_mut("stack_bytes") {
+        *stack = stack.saturating_sub(state);
+    }
+    let file = root().join(RECORD);
+    if record {
+        let text = toml::to_string(&Record { measured: now.clone() })?;
+        let head = "# Written by `cargo xtask budget --record`; `cargo xtask budget` fails where a number grows by over 3 %.\n";
+        std::fs::write(&file, format!("{head}{text}")).with_context(|| file.display().to_string())?;
+    }
+    let text = std::fs::read_to_string(&file).with_context(|| format!("{RECORD}: `cargo xtask budget --record`"))?;
+    let recorded: Record = toml::from_str(&text).with_context(|| RECORD)?;
+    let wrong = table(&now, &recorded.measured);
+    if wrong.is_empty() { Ok(()) } else { bail!("{}", wrong.join("; ")) }
+}
+
+/// Prints every number; what is wrong with them.
+fn table(now: &BTreeMap<String, u64>, recorded: &BTreeMap<String, u64>) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (name, value) in now {
+        let limit = LIMITS.iter().find(|(limited, ..)| limited == name);
+        let before = recorded.get(name);
+        let of = limit.map_or(String::new(), |(_, limit, unit)| format!("  of {limit} {unit}"));
+        println!("{name:<20} {value:>7}{of}");
+        if let Some((_, limit, unit)) = limit.filter(|(_, limit, _)| value > limit) {
+            wrong.push(format!("{name} = {value} is over its budget of {limit} {unit}"));
+        }
+        match before {
+            Some(before) if *value as f64 > *before as f64 * RATCHET => wrong.push(format!(
+                "{name} grew from {before} to {value}, by over 3 %: make it smaller, or record it on purpose \
+                 (`cargo xtask budget --record`)"
+            )),
+            Some(_) => {}
+            None => wrong.push(format!("{name} is not recorded: `cargo xtask budget --record`")),
+        }
+    }
+    wrong
+}
+
+/// Runs the measuring image; its `name = number` lines.
+fn run(image: &std::path::Path) -> Result<BTreeMap<String, u64>> {
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none", "-nodefaults", "-icount", ICOUNT]);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
+    let output = qemu.stdin(std::process::Stdio::null()).output().context("qemu-system-arm")?;
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        bail!("{} under QEMU: {}: {said}", image.display(), output.status);
+    }
+    let numbers = said.lines().filter_map(|line| line.split_once(" = "));
+    let numbers: BTreeMap<String, u64> =
+        numbers.filter_map(|(name, value)| Some((name.to_owned(), value.trim().parse().ok()?))).collect();
+    if numbers.is_empty() {
+        bail!("{} printed no numbers: {said}", image.display());
+    }
+    Ok(numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(pairs: &[(&str, u64)]) -> BTreeMap<String, u64> {
+        pairs.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
+    }
+
+    #[test]
+    fn growth_by_over_three_percent_and_a_passed_limit_are_failures() {
+        let recorded = numbers(&[("relay_tick_mean", 390), ("stack_bytes", 1000)]);
+        assert!(table(&numbers(&[("relay_tick_mean", 395), ("stack_bytes", 1030)]), &recorded).is_empty());
+        assert_eq!(table(&numbers(&[("stack_bytes", 1031)]), &recorded).len(), 1);
+        // 401 of 400, and within 3 % of what was recorded.
+        assert_eq!(table(&numbers(&[("relay_tick_mean", 401)]), &recorded).len(), 1);
+        assert_eq!(table(&numbers(&[("unheard_of", 1)]), &recorded).len(), 1);
+    }
+}
