@@ -18,6 +18,7 @@ fn main() {
         for script in ["link.x", "defmt.x"] {
             println!("cargo:rustc-link-arg-bin=nucleo-g474re=-T{script}");
         }
+        println!("cargo:rustc-link-arg-bin=nucleo-g474re-tick=--entry=nucleo_tick");
         println!("cargo:rerun-if-changed=../memory.x");
     }
     if bare && std::env::var_os("CARGO_FEATURE_INTEGER_TICK").is_some() {

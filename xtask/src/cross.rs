@@ -51,6 +51,22 @@ pub const INTEGER_TICK: Build = Build {
     arguments: &["--release", "--bin", "integer-tick", "--features", "integer-tick"],
 };
 
+/// The flashable board's image, and its tick alone, which links only if it cannot panic.
+pub const NUCLEO: Build = Build {
+    target: M4F,
+    packages: &["breakaway-firmware"],
+    arguments: &[
+        "--profile",
+        "firmware",
+        "--bin",
+        "nucleo-g474re",
+        "--bin",
+        "nucleo-g474re-tick",
+        "--features",
+        "board-nucleo-g474re",
+    ],
+};
+
 /// Builds with a toolchain that [`install`] has found.
 pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
     let mut command = match toolchain {
@@ -68,7 +84,8 @@ pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
 
 /// Where a [`Build`] of a binary puts it.
 pub fn binary(build: &Build, name: &str) -> PathBuf {
-    target_folder().join(build.target).join("release").join(name)
+    let profile = if build.arguments.contains(&"firmware") { "firmware" } else { "release" };
+    target_folder().join(build.target).join(profile).join(name)
 }
 
 /// Cargo's target folder.

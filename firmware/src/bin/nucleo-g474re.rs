@@ -9,11 +9,9 @@ mod image {
 
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{
-        App, Channels, Identity, NoController, Sums, Tick, TickSettings, Wish, guards, remember_panic,
+        App, Channels, Controller, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
     };
-    use breakaway_firmware::board::nucleo_g474re::constants::{
-        DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ,
-    };
+    use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::nucleo_g474re::{
         BoardTick, Parts, RetainedRam, Serial, SettingsFlash, acknowledge_ecc, on_tick, open_all_switches, send, start,
     };
@@ -25,8 +23,8 @@ mod image {
     use defmt_rtt as _;
     use embassy_stm32::interrupt;
 
-    type BoardApp = App<'static, 'static, NoController, Serial, FlashStore<SettingsFlash>>;
-    type BoardChannels = Channels<'static, core::convert::Infallible>;
+    type BoardApp = App<'static, 'static, TrackController, Serial, FlashStore<SettingsFlash>>;
+    type BoardChannels = Channels<'static, <TrackController as Controller>::Plan>;
 
     #[entry]
     fn main() -> ! {
@@ -41,14 +39,15 @@ mod image {
         if let Some((_, found)) = loaded.lost {
             defmt::warn!("stored settings or model lost, version found {=i32}", found);
         }
-        let (Some(channels), Some(sums)) = (singleton!(: BoardChannels = Channels::new()), singleton!(: Sums = Sums::new()))
+        let (Some(channels), Some(sums)) =
+            (singleton!(: BoardChannels = Channels::new()), singleton!(: Sums = Sums::new()))
         else {
             panic!("started twice");
         };
         let (tick_end, app_end) = channels.split();
         let guards = guards(&loaded.settings, &identity);
-        let tick = Tick::new(board, NoController, tick_end, TickSettings::at_rate(TICK_HZ), guards);
-        let app = App::new(app_end, NoController, serial, store, identity, loaded, sums);
+        let tick = Tick::new(board, TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
+        let app = App::new(app_end, TrackController::default(), serial, store, identity, loaded, sums);
         let (Some(tick), Some(app)) = (singleton!(: BoardTick = tick), singleton!(: BoardApp = app)) else {
             panic!("started twice");
         };

@@ -10,8 +10,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_stm32::gpio::Output;
 use embassy_stm32::pac;
 use embassy_stm32::peripherals::TIM1;
-use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, Ossi, Ossr};
 use embassy_stm32::timer::Channel;
+use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, Ossi, Ossr};
 use embedded_hal::digital::{self, OutputPin, PinState};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
@@ -63,10 +63,10 @@ pub fn bridge(mut timer: ComplementaryPwm<'static, TIM1>, input: Output<'static>
     // Stays as it is until the next reset; dropped, it would be switched off.
     core::mem::forget(timer);
     let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS };
-    match SignMagnitude::new(Magnitude { full }, Direction, Enable { input, lamp }, limits) {
-        Ok(bridge) => bridge,
-        Err(_) => panic!("the drive's constants do not fit each other"),
-    }
+    let Ok(bridge) = SignMagnitude::new(Magnitude { full }, Direction, Enable { input, lamp }, limits) else {
+        panic!("the drive's constants do not fit each other");
+    };
+    bridge
 }
 
 /// Opens all four switches, from wherever the program is.

@@ -21,11 +21,11 @@ pub use serial::{Outgoing, Serial, send};
 pub use start::{Parts, start};
 pub use ticks::{TickTimer, on_tick};
 
-use crate::app::{NoController, Tick};
+use crate::app::{Tick, TrackController};
 use crate::board::Board;
 
 /// The tick of this board.
-pub type BoardTick = Tick<'static, 'static, Nucleo, NoController>;
+pub type BoardTick = Tick<'static, 'static, Nucleo, TrackController>;
 
 /// What the tick needs.
 pub struct Nucleo {

@@ -13,18 +13,16 @@ use embassy_stm32::usart::{self, Uart, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, bind_interrupts, dma, flash, interrupt, pac, peripherals};
 
+use super::Nucleo;
 use super::bridge::bridge;
 use super::clock::Microseconds;
-use super::constants::{
-    BREAK_FUNCTION, CRYSTAL_HZ, OTHER_PRIORITY, PWM_HZ, RECEIVE_BYTES, WATCHDOG_US,
-};
+use super::constants::{BREAK_FUNCTION, CRYSTAL_HZ, OTHER_PRIORITY, PWM_HZ, RECEIVE_BYTES, WATCHDOG_US};
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::Guard;
 use super::retained::RetainedRam;
 use super::serial::{Outgoing, Serial};
 use super::ticks::TickTimer;
-use super::Nucleo;
 
 bind_interrupts!(struct Interrupts {
     LPUART1 => usart::InterruptHandler<peripherals::LPUART1>;

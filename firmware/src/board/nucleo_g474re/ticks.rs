@@ -8,8 +8,8 @@ use embassy_stm32::peripherals::TIM6;
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::{RoundTo, Timer};
 
-use super::constants::{TICK_HZ, TICK_PRIORITY};
 use super::BoardTick;
+use super::constants::{TICK_HZ, TICK_PRIORITY};
 
 /// The tick, once it runs; null before.
 static TICK: AtomicPtr<BoardTick> = AtomicPtr::new(core::ptr::null_mut());
