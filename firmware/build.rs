@@ -12,6 +12,15 @@ fn main() {
         }
         println!("cargo:rerun-if-changed=src/board/mps2_an386/link.x");
     }
+    if bare && std::env::var_os("CARGO_FEATURE_BOARD_NUCLEO_G474RE").is_some() {
+        // cortex-m-rt's script, which includes memory.x of the root.
+        println!("cargo:rustc-link-search={folder}/..");
+        for script in ["link.x", "defmt.x"] {
+            println!("cargo:rustc-link-arg-bin=nucleo-g474re=-T{script}");
+        }
+        println!("cargo:rustc-link-arg-bin=nucleo-g474re-tick=--entry=nucleo_tick");
+        println!("cargo:rerun-if-changed=../memory.x");
+    }
     if bare && std::env::var_os("CARGO_FEATURE_INTEGER_TICK").is_some() {
         println!("cargo:rustc-link-arg-bin=integer-tick=--entry=integer_tick");
     }

@@ -18,12 +18,13 @@ const RATCHET: f64 = 1.03;
 /// Instructions are counted by QEMU: each takes 2¹⁰ ns of its time, so that SysTick resolves them.
 const ICOUNT: &str = "shift=10,sleep=off";
 
-/// What may not be exceeded, whatever was recorded (name, limit, unit). Flash has no limit here: the virtual board's image
-/// is optimised for speed, and 64 KiB are the flashable board's.
-const LIMITS: [(&str, u64, &str); 3] = [
+/// What may not be exceeded, whatever was recorded (name, limit, unit). Flash has no limit here, only the ratchet: the
+/// virtual board's image is optimised for speed, and the flashable board's 64 KiB are not reached yet.
+const LIMITS: [(&str, u64, &str); 4] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),
     ("ram_bytes", 16 * 1024, "bytes"),
+    ("nucleo_ram_bytes", 16 * 1024, "bytes"),
 ];
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -49,6 +50,10 @@ pub fn measure(toolchain: Toolchain, record: bool) -> Result<()> {
     if let Some(stack) = now.get_mut("stack_bytes") {
         *stack = stack.saturating_sub(state);
     }
+    cross::build(toolchain, &cross::NUCLEO)?;
+    let nucleo = elf::sizes(&cross::binary(&cross::NUCLEO, "nucleo-g474re"))?;
+    now.insert("nucleo_flash_bytes".into(), nucleo.flash);
+    now.insert("nucleo_ram_bytes".into(), nucleo.ram);
     let file = root().join(RECORD);
     if record {
         let text = toml::to_string(&Record { measured: now.clone() })?;

@@ -57,7 +57,7 @@ pub fn install_packages(packages: &[&str]) -> Result<()> {
 /// `cargo build` by Debian's toolchain, building `core` and `alloc` on the way.
 pub fn cargo_build(target: &str) -> Command {
     let mut command = Command::new(CARGO);
-    let linker = format!("CARGO_TARGET_{}_LINKER", target.to_uppercase().replace('-', "_"));
+    let linker = target_variable(target, "LINKER");
     command
         .current_dir(root())
         // Without these, cargo would find rustup's rustc, and rustup this program's toolchain.
@@ -68,6 +68,11 @@ pub fn cargo_build(target: &str) -> Command {
         .env(linker, cross::linker())
         .args(["build", "-Z", "build-std=core,alloc"]);
     command
+}
+
+/// The variable that sets cargo's `target.TARGET.KEY`.
+pub fn target_variable(target: &str, key: &str) -> String {
+    format!("CARGO_TARGET_{}_{key}", target.to_uppercase().replace('-', "_"))
 }
 
 fn apt_get(args: &[&str]) -> Command {

@@ -14,6 +14,9 @@ mod encoder;
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
 #[allow(unsafe_code, reason = "registers and fixed addresses of the board")]
 pub mod mps2_an386;
+#[cfg(all(target_os = "none", feature = "board-nucleo-g474re"))]
+#[allow(unsafe_code, reason = "interrupt and retained RAM of the board")]
+pub mod nucleo_g474re;
 mod protection;
 mod sign_magnitude;
 mod wire;

@@ -116,7 +116,8 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> Drive for SignMagnitude<P, D, 
             return Ok(Applied::default());
         }
         let limit = i32::from(self.limits.code);
-        let code = command.clamp(-limit, limit);
+        // Not `clamp`, which would panic if it could not be seen that the limit is positive.
+        let code = command.min(limit).max(-limit);
         let full = FULL_SCALE.unsigned_abs();
         let magnitude = code.unsigned_abs() as u16;
         let duty = scale(magnitude, self.full_duty, full, full / 2).min(self.max_duty);

@@ -2,8 +2,8 @@
 
 use breakaway_core::control::tune;
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, CommandError, Controller, Ending, Field, Mode, Model, Pid, Reply, Sample, Track,
-    Trajectory,
+    Adaptive, Bounds, Command, CommandError, Controller, Ending, FaultCause, Field, Mode, Model, Pid, Reply, Sample,
+    Track, Trajectory,
 };
 
 use crate::bench::{Bench, PLANT, STEP};
@@ -92,4 +92,20 @@ fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
     assert_eq!(bench.status().mode, Mode::Idle);
+}
+
+/// On a reversed encoder every loop is one of positive feedback: the drive grows with the motion against it, and keeps its sign.
+#[test]
+fn no_controller_runs_on_a_reversed_encoder() {
+    for controller in [pid(), adaptive()] {
+        let mut bench = Bench::new();
+        bench.world.0.borrow_mut().reversed = true;
+        assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+        assert_eq!(bench.command(track(SINE, controller, false)), Reply::Done);
+        assert_eq!(bench.until_ended(4100).ending, Ending::Fault(FaultCause::WrongDirection));
+        assert!(!bench.world.0.borrow().enabled);
+        // 1/64 of a revolution is asked of the guard; at the most a tenth has been turned when the drive goes off.
+        let record = bench.fault().unwrap();
+        assert!(record.value < 0 && record.value > -400, "{record:?}");
+    }
 }

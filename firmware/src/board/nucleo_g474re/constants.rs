@@ -1,0 +1,67 @@
+//! All numbers of this board, with unit and reason. RM0440: reference manual of the STM32G4; DS12288: data sheet of the
+//! STM32G474; UM2505: the NUCLEO-64 boards. Pins are in `start.rs`, and in docs/board-nucleo-g474re.md with the wiring.
+
+use embassy_stm32::interrupt::Priority;
+use embassy_stm32::timer::low_level::{BreakInputPolarity, FilterValue};
+
+use crate::board::FULL_SCALE;
+
+/// What the board calls itself on the link.
+pub const NAME: &str = "nucleo-g474re";
+
+/// Crystal X3, Hz (UM2505). Not the RC oscillator: 1 % of its time would be 2 % of every inertia.
+pub const CRYSTAL_HZ: u32 = 24_000_000;
+/// Core, buses and timers, Hz: the most there is (DS12288, general operating conditions). 24 MHz / 6 · 85 / 2.
+pub const CORE_HZ: u32 = 170_000_000;
+
+/// Control ticks, Hz. An integer number of core clocks (17 000), so that a tick has no jitter from rounding.
+pub const TICK_HZ: u32 = 10_000;
+/// The clock behind [`crate::board::Clock`], Hz: it counts microseconds.
+pub const CLOCK_HZ: u32 = 1_000_000;
+
+/// PWM, Hz: above hearing, and two whole periods per tick, so that every drive code is held equally long.
+pub const PWM_HZ: u32 = 20_000;
+/// Dead time between the two switches of a leg, core clocks: 494 ns. Longer than the turn-off of common 30 A bridges
+/// (under 300 ns); for yours, take the turn-off delay plus fall time from its data sheet and add half. Even, so that
+/// [`DEAD_TIME_COUNTS`] is exact.
+pub const DEAD_TIME_CLOCKS: u16 = 84;
+/// What the dead time takes from each pulse, PWM counts: a pulse of a centre-aligned PWM is two counts per clock long.
+pub const DEAD_TIME_COUNTS: u16 = DEAD_TIME_CLOCKS / 2;
+/// Largest drive, drive codes: 95 % of the supply. The high side's bootstrap capacitor is charged in the rest.
+pub const DRIVE_MAX_CODE: i16 = (FULL_SCALE as i32 * 95 / 100) as i16;
+
+/// The level at which the break input switches off. High with a pull-up: a cut wire and a missing plug switch off. For
+/// a power stage whose fault output is low when tripped (open drain), `ACTIVE_LOW`; then a cut wire is not noticed.
+pub const BREAK_LEVEL: BreakInputPolarity = BreakInputPolarity::ACTIVE_HIGH;
+/// The break input must stay for 8 samples at 1/8 of the core clock, 0.38 µs: longer than the spikes of a switching leg,
+/// a tenth of what a short circuit takes to destroy a transistor.
+pub const BREAK_FILTER: FilterValue = FilterValue::FDTS_DIV8_N8;
+/// What a trip of the break input is called in the fault record.
+pub const BREAK_NUMBER: i32 = 1;
+/// The alternate function that is TIM1_BKIN on PA6 (DS12288, alternate function mapping).
+pub const BREAK_FUNCTION: u8 = 6;
+
+/// An encoder edge must stay for 8 samples at 1/4 of the core clock, 0.19 µs: bounce and cross-talk are shorter, and a
+/// quarter of a line at the fastest motor is longer (10 000 lines at 6000 rpm: 0.25 µs).
+pub const ENCODER_FILTER: FilterValue = FilterValue::FDTS_DIV4_N8;
+
+/// The watchdog resets the board after this many µs without a good tick: 50 ticks, more than a run tolerates late ones
+/// ([`breakaway_core::link::Settings::overrun_limit`]), so that the fault with its cause comes first.
+pub const WATCHDOG_US: u32 = 5_000;
+
+/// The tick is above everything else.
+pub const TICK_PRIORITY: Priority = Priority::P0;
+/// Link and flash: they can wait for a tick.
+pub const OTHER_PRIORITY: Priority = Priority::P8;
+
+/// Received bytes that wait: 1.4 ms at 921 600 baud, many polls. A host that waits for each answer has no more than
+/// one request on the way.
+pub const RECEIVE_BYTES: usize = 128;
+/// Most bytes in one DMA transfer to the host, 1.4 ms; while one is sent the next is collected.
+pub const SEND_BYTES: usize = 128;
+
+/// Bytes of flash before the settings: the last two pages of bank 2. Code is in bank 1 (memory.x), so that the core goes on
+/// fetching from there while bank 2 is erased (RM0440, read while write): ticks are not held up by a save.
+pub const SETTINGS_AT: u32 = (512 - 4) * 1024;
+/// Bytes for the settings: two erase pages of 2 KiB (RM0440, dual-bank organisation).
+pub const SETTINGS_BYTES: u32 = 4 * 1024;

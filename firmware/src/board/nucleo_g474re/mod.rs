@@ -1,0 +1,61 @@
+//! NUCLEO-G474RE with a full bridge and a quadrature encoder: docs/board-nucleo-g474re.md.
+
+mod bridge;
+mod clock;
+pub mod constants;
+mod encoder;
+mod flash;
+mod protection;
+mod retained;
+mod serial;
+mod start;
+mod ticks;
+
+pub use bridge::{Bridge, open_all_switches};
+pub use clock::Microseconds;
+pub use encoder::Quadrature;
+pub use flash::{FlashError, SettingsFlash, acknowledge_ecc};
+pub use protection::Guard;
+pub use retained::RetainedRam;
+pub use serial::{Outgoing, Serial, send};
+pub use start::{Parts, start};
+pub use ticks::{TickTimer, on_tick};
+
+use crate::app::{Tick, TrackController};
+use crate::board::Board;
+
+/// The tick of this board.
+pub type BoardTick = Tick<'static, 'static, Nucleo, TrackController>;
+
+/// What the tick needs.
+pub struct Nucleo {
+    encoder: Quadrature,
+    bridge: Bridge,
+    clock: Microseconds,
+    guard: Guard,
+    retained: RetainedRam,
+}
+
+impl Board for Nucleo {
+    type Encoder = Quadrature;
+    type Drive = Bridge;
+    type Clock = Microseconds;
+    type Protection = Guard;
+    type Retained = RetainedRam;
+
+    fn encoder(&mut self) -> &mut Quadrature {
+        &mut self.encoder
+    }
+    fn drive(&mut self) -> &mut Bridge {
+        &mut self.bridge
+    }
+    fn clock(&self) -> &Microseconds {
+        &self.clock
+    }
+    fn protection(&mut self) -> &mut Guard {
+        &mut self.guard
+    }
+    fn retained(&mut self) -> &mut RetainedRam {
+        &mut self.retained
+    }
+}
