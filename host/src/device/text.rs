@@ -179,13 +179,22 @@ pub fn event(event: &Event, scale: &Scale, settings: &Settings) -> String {
                 self::ending(ended.ending, scale, settings)
             )
         }
-        Event::ModelMismatch(Mismatch { direction, speed_bin, position_bin, score }) => {
-            let way = match direction {
-                0 => "both directions",
-                1.. => "forwards",
-                _ => "backwards",
-            };
-            format!("model mismatch: {score:.1} sigma {way}, speed bin {speed_bin}, position bin {position_bin}")
-        }
+        Event::ModelMismatch(found) => mismatch(found),
     }
+}
+
+/// What the drift watch found.
+pub fn mismatch(found: &Mismatch) -> String {
+    let Mismatch { direction, speed_bin, position_bin, score } = *found;
+    let way = match direction {
+        0 => "in both directions",
+        1.. => "forwards",
+        _ => "backwards",
+    };
+    let how = if score < 0.0 { "harder" } else { "more easily" };
+    format!(
+        "model mismatch: {way} the axis moves {how} than the model says ({:.0} sigma, mostly in position bin {position_bin}, \
+         at speed bin {speed_bin})",
+        score.abs()
+    )
 }

@@ -150,6 +150,12 @@ impl State {
                     Event::ExperimentEnded(_) | Event::ModelMismatch(_) => {}
                 }
                 self.note(text::event(event, &self.scale, &self.settings));
+                if matches!(event, Event::ModelMismatch(_)) {
+                    let port = &self.port;
+                    self.note(format!(
+                        "stop (s), then: breakaway run suite --port {port} -o DIR; breakaway discover DIR/fit/*.csv"
+                    ));
+                }
             }
             Message::Reply { reply: Reply::Status(status), .. } => {
                 self.mode = status.mode;
