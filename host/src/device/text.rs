@@ -187,14 +187,12 @@ pub fn event(event: &Event, scale: &Scale, settings: &Settings) -> String {
 pub fn mismatch(found: &Mismatch) -> String {
     let Mismatch { direction, speed_bin, position_bin, score } = *found;
     let way = match direction {
-        0 => "in both directions",
+        0 => "both ways",
         1.. => "forwards",
         _ => "backwards",
     };
-    let how = if score < 0.0 { "harder" } else { "more easily" };
-    format!(
-        "model mismatch: {way} the axis moves {how} than the model says ({:.0} sigma, mostly in position bin {position_bin}, \
-         at speed bin {speed_bin})",
-        score.abs()
-    )
+    // Short: the monitor shows it on one line.
+    let how = if score < 0.0 { "harder" } else { "easier" };
+    let sigma = score.abs();
+    format!("model mismatch: moves {how} {way} ({sigma:.0} sigma; position bin {position_bin}, speed bin {speed_bin})")
 }
