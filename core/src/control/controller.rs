@@ -73,16 +73,24 @@ impl<R: Fast> Controller<R> {
     /// One tick: the drive for a reference and the measured position `x`.
     #[inline]
     pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> Command<R> {
+        self.tick_from(state, reference, x, R::ZERO)
+    }
+
+    /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero being 0:
+    /// an error keeps its digits far from there, and effects of the position stay where they are.
+    #[inline]
+    pub fn tick_from(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R, origin: R) -> Command<R> {
+        let placed = Setpoint { x: reference.x + origin, ..reference };
         let compensator = self.compensator.as_ref().filter(|compensator| compensator.is_on());
         let (mut u, limit) = match &self.law {
             Law::Pid(pid) => {
                 let u = pid.drive(&mut state.pid, reference, x);
-                (compensator.map_or(u, |feed| u + feed.drive(reference)), pid.limit())
+                (compensator.map_or(u, |feed| u + feed.drive(placed)), pid.limit())
             }
             Law::Adaptive(law) => {
                 let direction = compensator.map_or_else(|| reference.v.sgn(), |feed| feed.direction(reference.v));
                 let u = law.drive(&mut state.adaptive, reference, x, direction);
-                (compensator.map_or(u, |feed| u + feed.effects_drive(reference)), law.limit())
+                (compensator.map_or(u, |feed| u + feed.effects_drive(placed)), law.limit())
             }
         };
         if let Some(feed) = compensator {

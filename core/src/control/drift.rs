@@ -48,6 +48,8 @@ pub struct ModelMismatch<R> {
     pub position: R,
     /// Mean missing force since it began, drive units; positive pushes the axis in positive direction.
     pub force: R,
+    /// The same over its standard error, had nothing changed since the calibrated stretch; signed as `force`.
+    pub score: R,
 }
 
 /// Configuration of the watch.
@@ -139,6 +141,17 @@ impl<R: Fast> DriftState<R> {
         self.residual
     }
 
+    /// The observer's velocity, X/s.
+    pub const fn velocity(&self) -> R {
+        self.v
+    }
+
+    /// Readings are missing: the observer starts anew with the next one. What has been learnt stays.
+    pub fn interrupt(&mut self) {
+        let Self { sides, low, high, .. } = *self;
+        *self = Self { sides, low, high, ..Self::default() };
+    }
+
     /// Whether both directions are calibrated.
     pub fn is_calibrated(&self, watch: &DriftWatch<R>) -> bool {
         self.sides.iter().all(|side| side.blocks >= watch.calibration)
@@ -208,7 +221,11 @@ impl<R: Fast> DriftWatch<R> {
     /// they hand on), `x` the reading. Reports a mismatch once and starts to watch anew.
     pub fn tick(&self, state: &mut DriftState<R>, u: R, x: R) -> Option<ModelMismatch<R>> {
         if !state.started {
-            *state = DriftState { started: true, x, low: x, high: x, sides: state.sides, ..DriftState::default() };
+            state.interrupt();
+            (state.started, state.x) = (true, x);
+            if state.sides.iter().all(|side| side.blocks == 0) {
+                (state.low, state.high) = (x, x);
+            }
             return None;
         }
         let moving = state.v.abs() > self.rest_speed;
@@ -284,7 +301,9 @@ impl<R: Fast> DriftWatch<R> {
         }
         let pushes = up > self.threshold;
         let found = if pushes { side.up } else { side.down };
-        let force = found.residual / R::from_i32((found.blocks.min(1 << 20) as i32).max(1));
+        let blocks = R::from_i32((found.blocks.min(1 << 20) as i32).max(1));
+        let force = found.residual / blocks;
+        let score = force * side.scale * blocks.sqrt();
         let (mut worst, mut most) = (bin, R::ZERO);
         for (i, of_late) in side.bins.iter().enumerate() {
             let pushed = if pushes { *of_late } else { -*of_late };
@@ -297,7 +316,7 @@ impl<R: Fast> DriftWatch<R> {
             (side.up, side.down) = (Sum::default(), Sum::default());
         }
         let direction = if pushes == (sign > 0) { Direction::Assists } else { Direction::Resists };
-        Some(ModelMismatch { direction, speed_sign: sign, bin: worst, position, force })
+        Some(ModelMismatch { direction, speed_sign: sign, bin: worst, position, force, score })
     }
 
     fn half(&self) -> R {

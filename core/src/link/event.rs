@@ -156,10 +156,10 @@ pub enum Limit {
 pub struct Mismatch {
     /// −1, 0 or 1: direction of motion, 0 for both.
     pub direction: i8,
-    /// Bin of the speed, 0 the slowest.
+    /// Bin of the speed when it was found, 0 the slowest of 16 up to the reference's largest speed.
     pub speed_bin: u8,
-    /// Bin of the position within the travel or a revolution.
+    /// Bin of the position in which it is largest, of 16 over the travel seen.
     pub position_bin: u8,
-    /// Mean residual over its standard error.
+    /// Mean residual over its standard error; below 0 where the missing force acts against the motion.
     pub score: f32,
 }

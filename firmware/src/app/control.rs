@@ -19,8 +19,8 @@ pub trait Controller {
     /// What a run under control needs to know: checked by the thread before it is ordered.
     type Plan: Clone;
 
-    /// Starts a run at distance 0.
-    fn start(&mut self, plan: &Self::Plan);
+    /// Starts a run at distance 0, which is at this `count`.
+    fn start(&mut self, plan: &Self::Plan, count: i32);
 
     /// One tick: the drive in drive codes and the reference in counts from the start; `None` if a number is no longer
     /// finite.
@@ -37,7 +37,7 @@ pub struct NoController;
 impl Controller for NoController {
     type Plan = core::convert::Infallible;
 
-    fn start(&mut self, plan: &Self::Plan) {
+    fn start(&mut self, plan: &Self::Plan, _: i32) {
         match *plan {}
     }
 

@@ -77,24 +77,34 @@ pub struct TrackPlan {
     pub codes_per_drive: f32,
 }
 
+#[derive(Clone, Copy, Debug)]
+struct Running {
+    plan: TrackPlan,
+    state: ControllerState<f32>,
+    /// Where it started, position units: what of the model depends on the position is evaluated there.
+    origin: f32,
+    k: u32,
+}
+
 /// The controller in the tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrackController {
-    running: Option<(TrackPlan, ControllerState<f32>, u32)>,
+    running: Option<Running>,
 }
 
 impl Controller for TrackController {
     type Plan = TrackPlan;
 
-    fn start(&mut self, plan: &TrackPlan) {
-        self.running = Some((*plan, ControllerState::start(&plan.law), 0));
+    fn start(&mut self, plan: &TrackPlan, count: i32) {
+        let origin = count as f32 * plan.position_per_count;
+        self.running = Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0 });
     }
 
     fn tick(&mut self, input: ControlInput) -> Option<(i32, i32)> {
-        let (plan, state, k) = self.running.as_mut()?;
+        let Running { plan, state, origin, k } = self.running.as_mut()?;
         let reference = plan.path.at(*k);
         *k = k.saturating_add(1);
-        let command = plan.law.tick(state, reference, input.distance as f32 * plan.position_per_count);
+        let command = plan.law.tick_from(state, reference, input.distance as f32 * plan.position_per_count, *origin);
         if !command.u.is_finite() {
             return None;
         }

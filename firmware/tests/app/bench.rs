@@ -8,7 +8,7 @@ use breakaway_core::link::{
     Bounds, Command, Decoder, Ended, Event, FULL_SCALE_CODE, FaultRecord, MAX_FRAME, Message, Reference, Relay, Reply,
     Request, Sample, Settings, Status, encode,
 };
-use breakaway_core::plant::{Base, Drive as Held, Plant, State};
+use breakaway_core::plant::{Base, Drive as Held, Effect, Plant, State};
 use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
 use breakaway_firmware::board::{
     Applied, Board, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip, Wire,
@@ -25,6 +25,8 @@ pub const FULL_SCALE: f64 = 5.0;
 #[allow(clippy::struct_excessive_bools, reason = "independent things that break")]
 pub struct World {
     pub plant: State<f64>,
+    pub base: Base<f64>,
+    pub effects: Vec<Effect<f64>>,
     pub drive: i16,
     pub enabled: bool,
     pub now_us: u32,
@@ -179,6 +181,8 @@ impl Bench {
     pub fn with_memory(retained: [u32; RETAINED_WORDS], settings: Settings) -> Self {
         let world = Shared(Rc::new(RefCell::new(World {
             plant: Plant { base: PLANT, effects: &[] }.at_rest(0.0),
+            base: PLANT,
+            effects: Vec::new(),
             drive: 0,
             enabled: false,
             now_us: 0,
@@ -227,9 +231,9 @@ impl Bench {
         self.tick.tick();
         assert_eq!(self.app.poll(), Wish::Nothing);
         self.receive();
-        let mut world = self.world.0.borrow_mut();
+        let world = &mut *self.world.0.borrow_mut();
         let volts = f64::from(world.drive) / f64::from(FULL_SCALE_CODE) * FULL_SCALE;
-        let plant = Plant { base: PLANT, effects: &[] };
+        let plant = Plant { base: world.base, effects: &world.effects };
         let ts = 1.0 / f64::from(TICK_HZ);
         plant.advance(&mut world.plant, Held { u: &[volts], ts, t: 0.0 }, 4);
         world.now_us += 1_000_000 / TICK_HZ + world.late_us;

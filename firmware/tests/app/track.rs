@@ -3,18 +3,19 @@
 use breakaway_core::control::tune;
 use breakaway_core::link::{
     Adaptive, Bounds, Command, CommandError, Controller, Ending, FaultCause, Field, Mode, Model, Pid, Reply, Sample,
-    Track, Trajectory,
+    Track, Trajectory, WireEffect,
 };
+use breakaway_core::plant::{Effect, Kind, Plant};
 
 use crate::bench::{Bench, PLANT, STEP};
 
-fn model() -> Model {
+pub fn model() -> Model {
     let (b, c, f1) = (PLANT.b as f32, PLANT.c as f32, PLANT.f1 as f32);
     Model { b, c, f1, effects: heapless::Vec::new() }
 }
 
 /// A PID for 8 Hz of bandwidth.
-fn pid() -> Controller {
+pub fn pid() -> Controller {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     let kd = gains.b * gains.kv;
     Controller::Pid(Pid { kp: (kd * gains.lambda2) as f32, ki: (kd * gains.lambda1) as f32, kd: kd as f32 })
@@ -62,6 +63,31 @@ fn compensation_takes_most_of_the_error_of_a_pid() {
     let with = rms(&run(track(SINE, pid(), true), Mode::Track));
     assert!(without < 0.1, "rms error {without} rad of 1 rad");
     assert!(with < 0.3 * without, "with compensation {with}, without {without}");
+}
+
+/// Cogging stays where it is when a run begins elsewhere: 1.3 rad on, compensation counted from the start would be off
+/// by 1.3·7 rad = 1.45 turns, and almost double it.
+#[test]
+fn cogging_is_compensated_where_the_axis_is() {
+    let effect = Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5]);
+    let mut errors = Vec::new();
+    for (start, known) in [(0.0, true), (1.3, true), (1.3, false)] {
+        let mut bench = Bench::new();
+        {
+            let mut world = bench.world.0.borrow_mut();
+            world.effects = vec![effect];
+            world.plant = Plant { base: PLANT, effects: &world.effects }.at_rest(start);
+        }
+        let effects = known.then(|| WireEffect::new(&effect)).into_iter().collect();
+        assert_eq!(bench.command(Command::LoadModel(Model { effects, ..model() })), Reply::Done);
+        assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+        assert_eq!(bench.command(track(SINE, pid(), true)), Reply::Done);
+        assert_eq!(bench.until_ended(4100).ending, Ending::TimeUp);
+        errors.push(rms(&bench.samples.iter().filter(|s| s.mode == Mode::Track).copied().collect::<Vec<_>>()));
+    }
+    let [at_zero, elsewhere, without] = errors[..] else { panic!("{errors:?}") };
+    println!("at 0: {at_zero:.5} rad, at 1.3: {elsewhere:.5}, not known: {without:.5}");
+    assert!(elsewhere < 1.5 * at_zero && elsewhere < 0.5 * without, "{errors:?}");
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! `breakaway track`.
 
+mod board;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use breakaway_core::control::Controller;
+use breakaway_core::control::{Controller, Setpoint};
+use breakaway_core::link::{BAUD, Mismatch};
 use serde::Serialize;
 
 use super::output::Output;
@@ -19,11 +22,12 @@ use crate::model::Model;
 use crate::recording::Units;
 use crate::report::tracking;
 
-/// Follow a reference in closed loop, with and without compensation side by side, on the simulated plant
+/// Follow a reference in closed loop, with and without compensation side by side, on the simulated plant or on a board
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway track --model model.toml --reference sine:1,0.25 --report track.html
   breakaway track --model identified.toml --plant true.toml --reference trapezoid:2,4,40 -o runs
+  breakaway track --model discovered.toml --port /dev/ttyACM0 --reference sine:1,0.1 --report track.html
 
 The controller is the one that runs on the board, in its number type (f32). Followed are: the PID alone; the PID with
 the base model (b, c, f1) compensated; with the whole model compensated, if it has effects; and the adaptive law. The
@@ -32,8 +36,13 @@ simulated plant is --plant, or the model itself. Errors are against the true pos
 A reference from a file must be smooth: its second difference is the acceleration that compensation applies, and a
 recorded encoder is not.
 
+On a board (--port) its tick, encoder step and limits hold, and errors are against its encoder. It follows a sine with the PID
+alone, with the base model and with the whole model compensated, one after the other; the models are loaded for it, and the
+last one stays loaded until the board is reset (`breakaway device model save` keeps it). Ctrl-C stops the axis.
+
 JSON: reference, plant, tick_s, duration_s, settle_s, runs (name, rms, peak, rms_steps, drive_rms, saturated), improvement (PID
-alone over the whole model), units.")]
+alone over the whole model), units; of a board also missing (samples lost on the way) and mismatches (what its drift watch said: direction of
+motion, speed_bin, position_bin, score, below 0 where the missing force resists), each per run.")]
 pub struct Args {
     /// The model to compensate and to tune from
     #[arg(long, value_name = "M.toml")]
@@ -44,6 +53,12 @@ pub struct Args {
     /// What to follow: sine:A,HZ, trapezoid:D,V,A[,REST], s_curve:D,V,A,J[,REST] or a FILE.csv
     #[arg(long, value_name = "REF", default_value = "sine:1,0.5")]
     pub reference: String,
+    /// Serial port or pseudo-terminal of a board to follow it, instead of the simulated plant
+    #[arg(long, value_name = "PORT", conflicts_with_all = ["plant", "noise", "seed", "tick", "encoder_step"])]
+    pub port: Option<String>,
+    /// Baud rate of the port
+    #[arg(long, value_name = "BAUD", default_value_t = BAUD, value_parser = clap::value_parser!(u32).range(300..))]
+    pub baud: u32,
     /// The plant to simulate [default: the model]
     #[arg(long, value_name = "TRUE.toml")]
     pub plant: Option<PathBuf>,
@@ -79,6 +94,17 @@ pub struct Case {
     pub title: &'static str,
     /// What came of it.
     pub tracked: Tracked,
+    /// Of a board: what is beside it.
+    pub board: Option<OnBoard>,
+}
+
+/// What a board adds to a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnBoard {
+    /// Samples lost on the way.
+    pub missing: u64,
+    /// What its drift watch said.
+    pub mismatches: Vec<Mismatch>,
 }
 
 #[derive(Debug, Serialize)]
@@ -103,6 +129,24 @@ struct Row {
     drive_rms: f64,
     /// Share of the ticks.
     saturated: f64,
+    #[serde(flatten)]
+    board: Option<OnBoard>,
+}
+
+/// What is followed, for how long, from where on it counts.
+struct Course {
+    reference: Reference,
+    points: Vec<Setpoint<f32>>,
+    settle: f64,
+    from: usize,
+}
+
+/// The axis that followed.
+struct Followed<'a> {
+    name: &'a str,
+    measured: bool,
+    units: &'a Units,
+    bench: Bench,
 }
 
 #[derive(Debug, Serialize)]
@@ -117,6 +161,9 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; a loop that cannot be tuned or diverges.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        if let Some(port) = &self.port {
+            return board::run(&self, port, output);
+        }
         let model = Model::read(&self.model)?;
         let plant = self.plant.as_deref().map(Model::read).transpose()?;
         let plant_name =
@@ -126,16 +173,7 @@ impl Args {
             Some(path) => Design::read(path)?,
             None => Design::new(&model, &self.tuning.request()).with_context(|| self.model.display().to_string())?,
         };
-        let reference: Reference = self.reference.parse()?;
-        let duration = match self.duration {
-            Some(duration) => duration,
-            None => reference.duration_s(design.tick_s)?,
-        };
-        let ticks = (duration / design.tick_s).round().clamp(8.0, 1e8) as usize;
-        let points = reference.points::<f32>(design.tick_s, ticks)?;
-        let settle = self.settle.unwrap_or(0.2 * duration);
-        let from = (settle / design.tick_s).round() as usize;
-        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
+        let course = self.course(design.tick_s)?;
         let bench = Bench {
             tick_s: design.tick_s,
             delay_ticks: design.delay_ticks,
@@ -148,40 +186,58 @@ impl Args {
         let bar = progress::bar("loops", controllers.len() as u64);
         let mut cases = Vec::new();
         for (name, title, controller) in controllers {
-            let tracked = track(&plant, &controller, &points, &bench, from).with_context(|| title.to_owned())?;
-            cases.push(Case { name, title, tracked });
+            let tracked =
+                track(&plant, &controller, &course.points, &bench, course.from).with_context(|| title.to_owned())?;
+            cases.push(Case { name, title, tracked, board: None });
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let page = tracking::Story {
-            cases: &cases,
-            reference: &reference.to_string(),
-            plant: &plant_name,
-            units: &model.units,
-            bench: &bench,
+        let axis = Followed { name: &plant_name, measured: false, units: &model.units, bench };
+        self.finish(&course, &cases, &axis, output)
+    }
+
+    /// The reference at a tick of `tick_s` s.
+    fn course(&self, tick_s: f64) -> anyhow::Result<Course> {
+        let reference: Reference = self.reference.parse()?;
+        let duration = match self.duration {
+            Some(duration) => duration,
+            None => reference.duration_s(tick_s)?,
         };
+        let ticks = (duration / tick_s).round().clamp(8.0, 1e8) as usize;
+        let points = reference.points::<f32>(tick_s, ticks)?;
+        let settle = self.settle.unwrap_or(0.2 * duration);
+        let from = (settle / tick_s).round() as usize;
+        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
+        Ok(Course { reference, points, settle, from })
+    }
+
+    /// Writes recordings and report, prints.
+    fn finish(&self, course: &Course, cases: &[Case], axis: &Followed<'_>, output: Output) -> anyhow::Result<()> {
+        let Followed { name, measured, units, ref bench } = *axis;
+        let reference = course.reference.to_string();
+        let page = tracking::Story { cases, reference: &reference, plant: name, measured, units, bench };
         if let Some(folder) = &self.output {
-            write_all(folder, &cases, &page)?;
+            write_all(folder, cases, &page)?;
         }
         if let Some(path) = &self.report {
             let html = tracking::html(&page);
             write_whole(path, |out| out.write_all(html.as_bytes()))
                 .with_context(|| format!("cannot write the report {}", path.display()))?;
         }
-        let rows = cases.iter().map(|case| row(case, &bench)).collect::<Vec<_>>();
+        let rows = cases.iter().map(|case| row(case, bench)).collect::<Vec<_>>();
         let compensated =
             cases.iter().rfind(|case| case.name != "adaptive").map_or(f64::NAN, |case| case.tracked.rms());
         let document = Document {
-            reference: reference.to_string(),
-            plant: plant_name.clone(),
-            tick_s: design.tick_s,
-            duration_s: ticks as f64 * design.tick_s,
-            settle_s: settle,
+            plant: name.to_owned(),
+            tick_s: bench.tick_s,
+            duration_s: course.points.len() as f64 * bench.tick_s,
+            settle_s: course.settle,
             improvement: cases[0].tracked.rms() / compensated,
             runs: rows,
-            units: UnitsRow { u: model.units.u.clone(), x: model.units.x.clone() },
+            units: UnitsRow { u: units.u.clone(), x: units.x.clone() },
+            reference,
         };
-        output.print(&document, |document| table(document, &cases, &model.units))
+        output.print(&document, |document| table(document, cases, units))
     }
 }
 
@@ -194,6 +250,7 @@ fn row(case: &Case, bench: &Bench) -> Row {
         rms_steps: (bench.encoder_step > 0.0).then(|| rms / bench.encoder_step),
         drive_rms: case.tracked.drive_rms(),
         saturated: case.tracked.saturated as f64 / case.tracked.error.len().max(1) as f64,
+        board: case.board.clone(),
     }
 }
 
@@ -250,6 +307,14 @@ fn table(document: &Document, cases: &[Case], units: &Units) -> String {
             row.peak,
             100.0 * row.saturated
         );
+        if let Some(OnBoard { missing, mismatches }) = &case.board {
+            if *missing > 0 {
+                let _ = writeln!(text, "  {missing} samples are missing");
+            }
+            for mismatch in mismatches {
+                let _ = writeln!(text, "  {}", crate::device::text::mismatch(mismatch));
+            }
+        }
     }
     let _ = writeln!(text, "compensation divides the rms of the PID alone by {:.1}", document.improvement);
     text

@@ -135,6 +135,11 @@ pub enum DeviceError {
         /// What can.
         need: String,
     },
+    /// The board has no such trajectory.
+    #[error(
+        "--reference {0} cannot be followed on a board, which makes its references itself: give it a sine (sine:A,HZ)"
+    )]
+    Reference(String),
     /// A model does not fit the board.
     #[error("the model cannot be loaded: {0}")]
     Model(String),

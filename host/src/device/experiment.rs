@@ -1,14 +1,17 @@
 //! Experiments on the board: from an experiment's file to the board's commands, and its samples to a recording.
 
+mod tracking;
 mod waveform;
 
 use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mode, OpenLoop, Pid, Reference, Relay, Reply,
-    Settings, Track, Trajectory,
+    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid, Reference, Relay,
+    Reply, Settings, Track, Trajectory,
 };
+
+pub use tracking::{Followed, TrackRun};
 
 use super::scale::Scale;
 use super::stream::{Row, Stream};
@@ -70,6 +73,19 @@ impl Runner {
     pub fn run(&mut self, experiment: &Experiment, interrupt: &FinishFirst) -> Result<Outcome, DeviceError> {
         experiment.check()?;
         let commands = commands(experiment, &self.scale)?;
+        let (record, error) = self.record(commands, interrupt)?;
+        Ok(self.outcome(experiment, &record, error))
+    }
+
+    /// Carries out the commands, the last of which starts a run, and records it to its end, or until what went wrong.
+    ///
+    /// # Errors
+    /// Nothing was recorded.
+    fn record(
+        &mut self,
+        commands: Vec<Command>,
+        interrupt: &FinishFirst,
+    ) -> Result<(Record, Option<DeviceError>), DeviceError> {
         match self.client.status()?.mode {
             Mode::Idle => {}
             Mode::Fault => return Err(self.latched()),
@@ -90,7 +106,7 @@ impl Runner {
         {
             return Err(error);
         }
-        Ok(self.outcome(experiment, &record, error))
+        Ok((record, error))
     }
 
     /// The fault that is latched, as an error.
@@ -133,6 +149,7 @@ impl Runner {
                     ended_at = Some(Instant::now());
                 }
                 Some(Message::Event(Event::FaultRaised(fault))) => record.fault = Some(text::fault(&fault)),
+                Some(Message::Event(Event::ModelMismatch(mismatch))) => record.mismatches.push(mismatch),
                 Some(Message::Event(Event::Started)) => {
                     return Err(DeviceError::Restarted { port: self.client.port().to_owned() });
                 }
@@ -151,38 +168,7 @@ impl Runner {
     }
 
     fn outcome(&self, experiment: &Experiment, record: &Record, error: Option<DeviceError>) -> Outcome {
-        let scale = &self.scale;
-        let mut recording = Recording {
-            name: experiment.name.clone(),
-            encoder_step: Some(scale.step),
-            units: scale.units.clone(),
-            ..Recording::default()
-        };
-        for row in &record.rows {
-            if row.missing > 0 && !recording.t.is_empty() {
-                recording.gaps.push(recording.t.len());
-            }
-            recording.t.push(scale.time(row.tick));
-            recording.u.push(scale.drive(row.drive_code.into()));
-            recording.x.push(scale.position(row.count));
-        }
-        recording.meta.insert("experiment".into(), experiment.name.clone());
-        for line in super::capture::provenance(&self.info) {
-            if let Some((key, value)) = line.split_once(": ") {
-                recording.meta.insert(key.into(), value.into());
-            }
-        }
-        let ended = match (&error, record.ended) {
-            (Some(error), _) => error.to_string(),
-            (None, Some(ended)) => text::ending(ended.ending, scale, &self.settings),
-            (None, None) => "unknown".to_owned(),
-        };
-        recording.meta.insert("ended".into(), ended);
-        // What is missing before the first sample is not of the experiment.
-        let missing: u64 = record.rows.iter().skip(1).map(|row| row.missing).sum();
-        if missing > 0 {
-            recording.meta.insert("samples missing".into(), missing.to_string());
-        }
+        let (recording, missing) = self.recording(&experiment.name, record, error.as_ref());
         let start = recording.x.first().copied().unwrap_or(0.0);
         let tripped = match record.ended.map(|ended| ended.ending) {
             Some(Ending::Limit { .. }) => Some(recording.x.last().copied().unwrap_or(0.0) - start),
@@ -195,6 +181,43 @@ impl Runner {
             missing,
             error,
         }
+    }
+
+    /// The samples as a recording, and how many are missing in it.
+    fn recording(&self, name: &str, record: &Record, error: Option<&DeviceError>) -> (Recording, u64) {
+        let scale = &self.scale;
+        let mut recording = Recording {
+            name: name.to_owned(),
+            encoder_step: Some(scale.step),
+            units: scale.units.clone(),
+            ..Recording::default()
+        };
+        for row in &record.rows {
+            if row.missing > 0 && !recording.t.is_empty() {
+                recording.gaps.push(recording.t.len());
+            }
+            recording.t.push(scale.time(row.tick));
+            recording.u.push(scale.drive(row.drive_code.into()));
+            recording.x.push(scale.position(row.count));
+        }
+        recording.meta.insert("experiment".into(), name.to_owned());
+        for line in super::capture::provenance(&self.info) {
+            if let Some((key, value)) = line.split_once(": ") {
+                recording.meta.insert(key.into(), value.into());
+            }
+        }
+        let ended = match (error, record.ended) {
+            (Some(error), _) => error.to_string(),
+            (None, Some(ended)) => text::ending(ended.ending, scale, &self.settings),
+            (None, None) => "unknown".to_owned(),
+        };
+        recording.meta.insert("ended".into(), ended);
+        // What is missing before the first sample is not of the experiment.
+        let missing: u64 = record.rows.iter().skip(1).map(|row| row.missing).sum();
+        if missing > 0 {
+            recording.meta.insert("samples missing".into(), missing.to_string());
+        }
+        (recording, missing)
     }
 
     /// The experiment with what the board made of it.
@@ -217,6 +240,7 @@ struct Record {
     rows: Vec<Row>,
     ended: Option<Ended>,
     fault: Option<String>,
+    mismatches: Vec<Mismatch>,
     /// A sample from after the end has come: there are no more of the experiment.
     past_the_end: bool,
 }

@@ -179,13 +179,20 @@ pub fn event(event: &Event, scale: &Scale, settings: &Settings) -> String {
                 self::ending(ended.ending, scale, settings)
             )
         }
-        Event::ModelMismatch(Mismatch { direction, speed_bin, position_bin, score }) => {
-            let way = match direction {
-                0 => "both directions",
-                1.. => "forwards",
-                _ => "backwards",
-            };
-            format!("model mismatch: {score:.1} sigma {way}, speed bin {speed_bin}, position bin {position_bin}")
-        }
+        Event::ModelMismatch(found) => mismatch(found),
     }
+}
+
+/// What the drift watch found.
+pub fn mismatch(found: &Mismatch) -> String {
+    let Mismatch { direction, speed_bin, position_bin, score } = *found;
+    let way = match direction {
+        0 => "both ways",
+        1.. => "forwards",
+        _ => "backwards",
+    };
+    // Short: the monitor shows it on one line.
+    let how = if score < 0.0 { "harder" } else { "easier" };
+    let sigma = score.abs();
+    format!("model mismatch: moves {how} {way} ({sigma:.0} sigma; position bin {position_bin}, speed bin {speed_bin})")
 }

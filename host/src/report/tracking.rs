@@ -16,8 +16,10 @@ pub struct Story<'a> {
     pub cases: &'a [Case],
     /// The reference, as it was given.
     pub reference: &'a str,
-    /// What was simulated.
+    /// The axis: what was simulated, or the board.
     pub plant: &'a str,
+    /// Whether it was a board's axis: then errors are against its encoder.
+    pub measured: bool,
     /// Units.
     pub units: &'a Units,
     /// Clock, encoder, limits.
@@ -33,7 +35,7 @@ pub fn html(story: &Story<'_>) -> String {
     let x = &story.units.x;
     let page = Page {
         title: "Breakaway tracking".into(),
-        badge: "simulated".into(),
+        badge: if story.measured { "measured" } else { "simulated" }.into(),
         badge_class: "part",
         sentence: format!(
             "Compensation brings the tracking error from {} to {} rms, a factor of {}",
@@ -44,7 +46,7 @@ pub fn html(story: &Story<'_>) -> String {
         facts: vec![
             ("reference".into(), story.reference.to_owned()),
             ("tick".into(), quantity(story.bench.tick_s, "s", 3)),
-            ("simulated plant".into(), story.plant.to_owned()),
+            (if story.measured { "axis" } else { "simulated plant" }.into(), story.plant.to_owned()),
             ("ticks of delay".into(), story.bench.delay_ticks.to_string()),
             ("encoder step".into(), quantity(story.bench.encoder_step, x, 3)),
         ],
@@ -97,9 +99,12 @@ pub fn errors(story: &Story<'_>) -> Figure {
         strip("tracking error, all", lines(0), 150.0, None),
         strip("tracking error, compensated", lines(1), 190.0, band),
     ];
-    let caption = "Reference minus true position. Below without the PID alone, on a scale of its own; the band is one encoder \
-                   step either way.";
-    Figure::new("Tracking error", caption, |width| stack(width, t, &strips))
+    let position = if story.measured { "measured" } else { "true" };
+    let caption = format!(
+        "Reference minus {position} position. Below without the PID alone, on a scale of its own; the band is one encoder \
+         step either way."
+    );
+    Figure::new("Tracking error", &caption, |width| stack(width, t, &strips))
 }
 
 fn motion(story: &Story<'_>) -> Figure {
@@ -169,10 +174,12 @@ fn numbers(story: &Story<'_>) -> String {
         [("", ""), ("rms", "n"), ("peak", "n"), ("rms in steps", "n"), ("PID alone over it", "n"), ("drive, rms", "n")];
     let mut out = table(&columns, &rows);
     // Writing to a String cannot fail.
-    let _ = writeln!(
-        out,
-        "<p class=\"note\">Errors are those of the true position, which a real axis does not know; below a step of the encoder \
-         they are what averaging over many steps leaves.</p>"
-    );
+    let note = if story.measured {
+        "Errors are those of the encoder's reading: half a step either way is its rounding, and what is below is not known."
+    } else {
+        "Errors are those of the true position, which a real axis does not know; below a step of the encoder \
+         they are what averaging over many steps leaves."
+    };
+    let _ = writeln!(out, "<p class=\"note\">{note}</p>");
     out
 }

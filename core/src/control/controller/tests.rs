@@ -119,3 +119,26 @@ proptest! {
         }
     }
 }
+
+/// Counted from an origin, cogging is where it is: the same as its phase advanced by n·origin.
+#[test]
+fn an_origin_moves_the_effects_of_the_position() {
+    let origin = 0.37;
+    let gains = |phase: f64| {
+        Controller::pid(pid::<f64>())
+            .with_compensator(compensator(&[Effect::new(Kind::Cogging, &[0.2, 7.0, phase])]).on())
+    };
+    let (moved, there) = (gains(1.0), gains(1.0 + 7.0 * origin));
+    let (mut a, mut b) = (ControllerState::start(&moved), ControllerState::start(&there));
+    let sine = Sine::<f64>::new(1.0, 1.0, TICK).unwrap();
+    let mut largest: f64 = 0.0;
+    for k in 0..1000 {
+        let without = moved.tick(&mut { a }, sine.at(k), 0.01).u;
+        let with = moved.tick_from(&mut a, sine.at(k), 0.01, origin).u;
+        let expected = there.tick(&mut b, sine.at(k), 0.01).u;
+        // The table's sine is good to 1e-6 of the amplitude.
+        assert!((with - expected).abs() < 1e-6, "{k}: {with}, {expected}");
+        largest = largest.max((with - without).abs());
+    }
+    assert!(largest > 0.2, "the origin changes nothing: {largest}");
+}

@@ -102,7 +102,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         let plan = self.planner.plan(track, self.model.as_ref(), &self.settings, self.identity.tick_hz)?;
         let run = if track.trajectory == Trajectory::Hold { RunOrder::Hold(plan) } else { RunOrder::Track(plan) };
         let bounds: Bounds = track.bounds;
-        Ok(Outcome::Ask(Order::Run(run, bounds), Then::Nothing))
+        Ok(Outcome::Ask(Order::Run(run, bounds), Then::Track(*track)))
     }
 
     fn idle(&self) -> Result<(), CommandError> {

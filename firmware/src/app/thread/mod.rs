@@ -1,6 +1,7 @@
 //! The thread: link, identification, settings. Called over and over from the main loop, below the tick's interrupt.
 
 mod command;
+mod drift;
 mod identification;
 mod outbox;
 mod plan;
@@ -10,7 +11,8 @@ pub use identification::{Experiment, Identification};
 pub use plan::Planner;
 
 use breakaway_core::link::{
-    CommandError, Decoder, Ended, Ending, Event, FaultCause, FaultRecord, Mode, Model, Reply, Request, Sample, Settings,
+    CommandError, Decoder, Ended, Ending, Event, FaultCause, FaultRecord, Mode, Model, Reply, Request, Sample,
+    Settings, Track,
 };
 
 use super::accumulate::Sums;
@@ -18,6 +20,7 @@ use super::channels::{AppEnd, Order, TickEvent};
 use super::guard::Guards;
 use crate::board::Wire;
 use crate::storage::{Loaded, Store};
+use drift::Drift;
 use outbox::Outbox;
 use stream::Stream;
 
@@ -55,6 +58,7 @@ enum Then {
     Cleared,
     Settings(Settings),
     Relay(Experiment),
+    Track(Track),
 }
 
 /// Bytes taken from the wire per poll: bounds the time of one.
@@ -74,6 +78,7 @@ pub struct App<'q, 'a, P: Planner, W, S> {
     outbox: Outbox,
     stream: Stream,
     identification: Identification,
+    drift: Drift,
     sums: Option<&'a mut Sums>,
     waiting: Option<Waiting>,
     unread: heapless::Deque<u8, READ_BYTES>,
@@ -111,6 +116,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             outbox: Outbox::new(),
             stream: Stream::new(),
             identification: Identification::new(),
+            drift: Drift::new(),
             sums: Some(sums),
             waiting: None,
             unread: heapless::Deque::new(),
@@ -166,6 +172,9 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             self.stream.push(sample);
             if let Some(order) = self.identification.push(&sample, &self.settings, self.identity.tick_hz) {
                 self.carry_on(order);
+            }
+            if let Some(mismatch) = self.drift.push(&sample) {
+                self.outbox.event(Event::ModelMismatch(mismatch));
             }
         }
     }
@@ -224,6 +233,9 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         if ended.mode == Mode::Relay {
             self.identification.ended(matches!(ended.ending, Ending::Fault(_)));
         }
+        if ended.mode == Mode::Track {
+            self.drift.ended();
+        }
         self.outbox.event(Event::ExperimentEnded(ended));
     }
 
@@ -243,6 +255,9 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
                 self.settings = settings;
             }
             Then::Relay(experiment) => self.identification.start(experiment),
+            Then::Track(track) => {
+                self.drift.start(&track, self.model.as_ref(), &self.settings, self.identity.tick_hz);
+            }
         }
         self.outbox.reply(id, Reply::Done);
     }

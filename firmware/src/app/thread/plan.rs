@@ -114,7 +114,7 @@ impl Planner for TrackController {
 }
 
 /// The path, its largest speed and acceleration.
-fn path(trajectory: &Trajectory, tick_s: f64) -> Result<(Path, f64, f64), CommandError> {
+pub(super) fn path(trajectory: &Trajectory, tick_s: f64) -> Result<(Path, f64, f64), CommandError> {
     let wrong = CommandError::Range(Field::TrajectoryTime);
     Ok(match *trajectory {
         Trajectory::Hold => (Path::Hold, 0.0, 0.0),

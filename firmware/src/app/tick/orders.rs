@@ -78,8 +78,8 @@ impl<'a, B: Board, C: Controller> Tick<'_, 'a, B, C> {
         }
         let (source, peak) = match order {
             RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.peak()),
-            RunOrder::Track(plan) => (self.control(plan, Mode::Track), None),
-            RunOrder::Hold(plan) => (self.control(plan, Mode::Hold), None),
+            RunOrder::Track(plan) => (self.control(plan, Mode::Track, count), None),
+            RunOrder::Hold(plan) => (self.control(plan, Mode::Hold, count), None),
         };
         if self.board.drive().enable().is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
@@ -91,8 +91,8 @@ impl<'a, B: Board, C: Controller> Tick<'_, 'a, B, C> {
         Ok(())
     }
 
-    fn control(&mut self, plan: &C::Plan, mode: Mode) -> Source {
-        self.controller.start(plan);
+    fn control(&mut self, plan: &C::Plan, mode: Mode, count: i32) -> Source {
+        self.controller.start(plan, count);
         Source::Control(mode)
     }
 

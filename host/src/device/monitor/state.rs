@@ -150,6 +150,10 @@ impl State {
                     Event::ExperimentEnded(_) | Event::ModelMismatch(_) => {}
                 }
                 self.note(text::event(event, &self.scale, &self.settings));
+                if matches!(event, Event::ModelMismatch(_)) {
+                    let port = &self.port;
+                    self.note(format!("stop it (s), `breakaway run suite --port {port}`, then `breakaway discover`"));
+                }
             }
             Message::Reply { reply: Reply::Status(status), .. } => {
                 self.mode = status.mode;

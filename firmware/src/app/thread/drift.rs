@@ -1,0 +1,110 @@
+//! The watch over the model's validity while a trajectory is followed.
+//!
+//! It runs on the samples here in the thread, outside the tick. Each run teaches it anew: the first 64 blocks of either
+//! direction are what the model leaves out along this reference, later ones are compared with them
+//! ([`breakaway_core::control::DriftWatch`]).
+
+use breakaway_core::control::{DriftSettings, DriftState, DriftWatch, ModelMismatch};
+use breakaway_core::link::{FULL_SCALE_CODE, Mismatch, Mode, Model, Sample, Settings, Track};
+use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
+use breakaway_core::scalar::Real;
+
+use super::plan::path;
+
+/// Share of f1 that a reading's rounding by one count may look like, at the observer's bandwidth.
+const COUNT_OF_F1: f64 = 0.2;
+/// Range of the observer's bandwidth: below, rad/s; above, per tick.
+const SLOWEST_RAD_S: f64 = 5.0;
+const FASTEST_PER_TICK: f64 = 0.1;
+/// Share of the reference's largest speed below which the axis counts as resting.
+const REST: f64 = 0.1;
+/// Bins of speed.
+const SPEED_BINS: f32 = 16.0;
+
+/// The watch over the run under way, if there is one that it can watch.
+pub(super) struct Drift {
+    active: Option<Active>,
+}
+
+struct Active {
+    watch: DriftWatch<f32>,
+    state: DriftState<f32>,
+    position_per_count: f32,
+    drive_per_code: f32,
+    bins_per_speed: f32,
+    last: Option<(u32, i16)>,
+}
+
+impl Drift {
+    pub(super) const fn new() -> Self {
+        Self { active: None }
+    }
+
+    /// A run has started. One that cannot be watched is not: a reference at rest, a motion too slow for the encoder.
+    #[inline(never)]
+    pub(super) fn start(&mut self, track: &Track, model: Option<&Model>, settings: &Settings, tick_hz: u32) {
+        self.active = model.and_then(|model| Active::new(track, model, settings, tick_hz));
+    }
+
+    /// Takes a sample, of any mode.
+    pub(super) fn push(&mut self, sample: &Sample) -> Option<Mismatch> {
+        let active = self.active.as_mut().filter(|_| sample.mode == Mode::Track)?;
+        active.push(sample)
+    }
+
+    /// The run is over.
+    pub(super) fn ended(&mut self) {
+        self.active = None;
+    }
+}
+
+impl Active {
+    fn new(track: &Track, model: &Model, settings: &Settings, tick_hz: u32) -> Option<Self> {
+        let base: Base<f64> = model.base().ok()?;
+        let mut effects: heapless::Vec<Effect<f64>, MAX_EFFECTS> = heapless::Vec::new();
+        for index in 0..model.effects.len() {
+            effects.push(model.effect(index)?.ok()?).ok()?;
+        }
+        let tick_s = 1.0 / f64::from(tick_hz.max(1));
+        let (_, speed, _) = path(&track.trajectory, tick_s).ok()?;
+        let step = f64::from(settings.position_per_count);
+        let full = f64::from(settings.drive_full_scale);
+        // A reading that is off by ε is a force of b·ωo²·ε.
+        let quiet = Real::sqrt(COUNT_OF_F1 * base.f1.max(1e-3 * full) / (base.b * step));
+        let bandwidth_rad_s = quiet.max(SLOWEST_RAD_S).min(FASTEST_PER_TICK / tick_s);
+        // The observer's velocity trembles by about ωo per count.
+        let rest_speed = (REST * speed).max(2.0 * bandwidth_rad_s * step);
+        if rest_speed >= 0.5 * speed {
+            return None;
+        }
+        let usual = DriftSettings::usual(bandwidth_rad_s, rest_speed, base.f1);
+        let usual = DriftSettings { smallest_scale: usual.smallest_scale.max(1e-4 * full), ..usual };
+        Some(Self {
+            watch: DriftWatch::new(&base, &effects, &usual, tick_s).ok()?,
+            state: DriftState::default(),
+            position_per_count: settings.position_per_count,
+            drive_per_code: settings.drive_full_scale / f32::from(FULL_SCALE_CODE),
+            bins_per_speed: SPEED_BINS / speed as f32,
+            last: None,
+        })
+    }
+
+    #[inline(never)]
+    fn push(&mut self, sample: &Sample) -> Option<Mismatch> {
+        let last = self.last.replace((sample.tick, sample.drive_code));
+        let code = match last {
+            Some((tick, code)) if sample.tick.wrapping_sub(tick) == 1 => code,
+            // Nothing is known of what was driven meanwhile.
+            Some(_) | None => {
+                self.state.interrupt();
+                0
+            }
+        };
+        let (u, x) = (f32::from(code) * self.drive_per_code, sample.count as f32 * self.position_per_count);
+        let ModelMismatch { speed_sign, bin, score, .. } = self.watch.tick(&mut self.state, u, x)?;
+        let speed_bin = (self.state.velocity().abs() * self.bins_per_speed).min(SPEED_BINS - 1.0) as u8;
+        // Counted along the motion: below 0 the axis moves harder than the model says.
+        let score = score * f32::from(speed_sign);
+        Some(Mismatch { direction: speed_sign, speed_bin, position_bin: bin as u8, score })
+    }
+}

@@ -1,0 +1,146 @@
+//! A reference followed on the board.
+
+use breakaway_core::control::{Gains, Setpoint};
+use breakaway_core::link::{
+    Bounds, Command, Controller, Ending, FULL_SCALE_CODE, Mismatch, Mode, Model, Pid, Track, Trajectory,
+};
+
+use super::Runner;
+use crate::control::reference::Reference;
+use crate::control::tracking::Tracked;
+use crate::device::{DeviceError, text};
+use crate::interrupt::FinishFirst;
+
+/// A reference to follow with one controller.
+#[derive(Clone, Debug)]
+pub struct TrackRun<'a> {
+    /// Name of the recording.
+    pub name: &'a str,
+    /// The model to load before.
+    pub model: &'a Model,
+    /// Whether it is compensated; otherwise the PID is alone.
+    pub compensate: bool,
+    /// Gains of the PID. The board's filter on the error's difference is its own: two ticks.
+    pub gains: &'a Gains,
+    /// What is followed.
+    pub reference: &'a Reference,
+    /// The same at each tick, from tick 0.
+    pub points: &'a [Setpoint<f32>],
+    /// First sample that counts.
+    pub from: usize,
+    /// Largest |drive|, drive units.
+    pub drive_limit: f64,
+}
+
+/// A reference that was followed to its end.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// Errors against the encoder: a board knows no other position.
+    pub tracked: Tracked,
+    /// Samples that were lost on the way.
+    pub missing: u64,
+    /// What the board's drift watch said.
+    pub mismatches: Vec<Mismatch>,
+}
+
+/// The board's trajectory for a reference.
+///
+/// # Errors
+/// [`DeviceError::Reference`]: the board has no such trajectory.
+fn trajectory(reference: &Reference) -> Result<Trajectory, DeviceError> {
+    match *reference {
+        Reference::Sine { amplitude, frequency_hz } => {
+            Ok(Trajectory::Sine { amplitude: amplitude as f32, period_s: (1.0 / frequency_hz) as f32 })
+        }
+        Reference::Profile { .. } | Reference::File(_) => Err(DeviceError::Reference(reference.to_string())),
+    }
+}
+
+impl Runner {
+    /// Name of the board.
+    pub fn board(&self) -> &str {
+        &self.info.board
+    }
+
+    /// The largest drive that the settings allow, drive units.
+    pub fn drive_limit(&self) -> f64 {
+        self.scale.drive(self.settings.drive_max_code.into())
+    }
+
+    /// Whether a reference of ±`amplitude` around where the axis is stays within the travel limits of the settings.
+    ///
+    /// # Errors
+    /// [`DeviceError::Range`]; a fault, or a board that is not idle.
+    pub fn has_room(&mut self, amplitude: f64) -> Result<(), DeviceError> {
+        let status = self.client.status()?;
+        match status.mode {
+            Mode::Idle => {}
+            Mode::Fault => return Err(self.latched()),
+            mode => return Err(DeviceError::NotIdle(mode.name())),
+        }
+        let (low, high) = (self.settings.travel_min_counts, self.settings.travel_max_counts);
+        let room = (i64::from(status.count) - i64::from(low)).min(i64::from(high) - i64::from(status.count));
+        let room = room.max(0) as f64 * self.scale.step;
+        if amplitude.abs() < room {
+            return Ok(());
+        }
+        let x = &self.scale.units.x;
+        let at = self.scale.position(status.count);
+        let need = format!(
+            "the axis is at {at:.4} {x} and its travel limits leave {room:.4} {x} either way; move it, take less, or widen \
+             travel_min_counts and travel_max_counts (`breakaway device settings set`)"
+        );
+        Err(DeviceError::Range { what: "the amplitude of --reference", value: amplitude, need })
+    }
+
+    /// Loads the model, follows the reference to its end.
+    ///
+    /// # Errors
+    /// The board has no such trajectory, refuses, is lost, or ends the run before its time.
+    pub fn follow(&mut self, run: &TrackRun<'_>, interrupt: &FinishFirst) -> Result<Followed, DeviceError> {
+        let k = run.gains.b * run.gains.kv;
+        let pid = Pid { kp: (k * run.gains.lambda2) as f32, ki: (k * run.gains.lambda1) as f32, kd: k as f32 };
+        let ticks = u32::try_from(run.points.len()).unwrap_or(u32::MAX);
+        let limit_code = if run.drive_limit < self.drive_limit() {
+            self.scale.code("--drive-limit", run.drive_limit)?
+        } else {
+            self.settings.drive_max_code
+        };
+        let start = Command::StartTrack(Track {
+            trajectory: trajectory(run.reference)?,
+            controller: Controller::Pid(pid),
+            feed_forward: run.compensate,
+            compensation: run.compensate,
+            bounds: Bounds { max_ticks: ticks, drive_max_code: limit_code, travel_counts: 0 },
+        });
+        start.validate().map_err(|error| DeviceError::Refused { command: text::command_name(&start), error })?;
+        let (record, error) = self.record(vec![Command::LoadModel(run.model.clone()), start], interrupt)?;
+        if let Some(error) = error {
+            return Err(error);
+        }
+        if let Some(ended) = record.ended.filter(|ended| ended.ending != Ending::TimeUp) {
+            let why = text::ending(ended.ending, &self.scale, &self.settings);
+            let after = self.scale.time(ended.ticks.into());
+            return Err(DeviceError::Ended(format!("the board ended the run after {after:.3} s: {why}")));
+        }
+        let (recording, missing) = self.recording(run.name, &record, None);
+        let first = record.rows.first().copied();
+        let (origin, zero) = first.map_or((0, 0), |row| (row.tick, row.count));
+        let mut reference = Vec::with_capacity(record.rows.len());
+        let mut error = Vec::with_capacity(record.rows.len());
+        let mut from = 0;
+        for row in &record.rows {
+            let tick = (row.tick - origin) as usize;
+            from += usize::from(tick < run.from);
+            // Rounded to counts by the board; here as it was followed.
+            let point = run.points.get(tick).map_or(0.0, |point| f64::from(point.x));
+            reference.push(point);
+            error.push(point - f64::from(row.count.wrapping_sub(zero)) * self.scale.step);
+        }
+        let largest = limit_code.min(FULL_SCALE_CODE);
+        let saturated =
+            record.rows.iter().filter(|row| row.drive_code.unsigned_abs() >= largest.unsigned_abs()).count();
+        let tracked = Tracked { recording, error, reference, saturated, from };
+        Ok(Followed { tracked, missing, mismatches: record.mismatches })
+    }
+}
