@@ -98,8 +98,8 @@ fn measured(file: &str, input: &str, position: &str) -> Option<Recording> {
 }
 
 /// EMPS: the direction-asymmetric friction is named, and Stribeck, drag and delay are not. The open-loop error over 1 s of the
-/// base is the prototype's 4.4 mm to its 20 % (4.24 here, on the last third only); 0.9 mm guards the 0.87 mm reached now, and is
-/// not the 0.42 mm that the project asks for.
+/// base, fitted to two thirds by least squares and scored on the last, is 5.25 mm; the prototype fitted and scored the whole
+/// record (4.4). 0.9 mm guards the 0.84 mm reached now, and is not the 0.42 mm that the project asks for.
 #[test]
 fn emps_misses_asymmetric_friction() {
     let Some(recording) = measured("emps/emps_train.csv", "u_V", "x_m") else { return };
@@ -108,7 +108,7 @@ fn emps_misses_asymmetric_friction() {
     assert!(names.contains(&"asymmetric_viscous"), "{names:?}");
     assert!(names.iter().all(|n| ["asymmetric_viscous", "constant_load"].contains(n)), "{names:?}");
     let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
-    assert!((3.5e-3..5.0e-3).contains(&first.holdout_open_loop_rmse), "{first:?}");
+    assert!((4.0e-3..6.0e-3).contains(&first.holdout_open_loop_rmse), "{first:?}");
     assert!(last.holdout_open_loop_rmse < 0.9e-3, "{last:?}");
 }
 

@@ -132,15 +132,19 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
             tried[index].fit = Err(reason);
             None
         });
+        let mut rivals = accepted.as_ref().map_or_else(Vec::new, |(i, fit, _)| rivals(&judged, fit, &tried, *i));
+        rivals.retain(|rival| {
+            let other = tried.iter_mut().find(|t| t.kind == rival.kind && rival.tied);
+            let reason = other.as_ref().and_then(|t| gap.refuses(&Gap::of(&data, t.fit.as_ref().ok()?)));
+            if let (Some(other), Some(reason)) = (other, &reason) {
+                other.fit = Err(reason.clone());
+            }
+            reason.is_none()
+        });
         if named.is_empty() {
             first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
         }
         let Some((index, fit, after)) = accepted else { break };
-        let mut rivals = rivals(&judged, &fit, &tried, index);
-        for rival in rivals.iter_mut().filter(|r| r.tied) {
-            let other = tried.iter().find(|t| t.kind == rival.kind).and_then(|t| t.fit.as_ref().ok());
-            rival.tied = other.is_some_and(|other| gap.refuses(&Gap::of(&data, other)).is_none());
-        }
         if let Some(rival) = rivals.iter().find(|r| r.tied)
             && let Some(Ok(other)) = tried.iter().find(|t| t.kind == rival.kind).map(|t| &t.fit)
         {
