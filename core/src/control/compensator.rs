@@ -45,11 +45,10 @@ const CAP: f64 = 0.98;
 #[derive(Clone, Copy, Debug)]
 pub struct Compensator<R> {
     base: Base<R>,
-    /// Effects in the balance of forces.
+    /// Effects in the balance of forces, from the front; effects of the drive path from the back, its first the last. A
+    /// controller keeps several compensators in a small memory.
     terms: [Term<R>; MAX_EFFECTS],
     used: usize,
-    /// Effects of the drive path, in its order.
-    path: [Term<R>; MAX_EFFECTS],
     path_used: usize,
     /// Load-dependent friction, all of it.
     load: Term<R>,
@@ -71,7 +70,7 @@ impl<R: Fast> Compensator<R> {
         if effects.len() > MAX_EFFECTS {
             return Err(CompensatorError::TooManyEffects);
         }
-        let (mut terms, mut path) = ([Term::Nothing; MAX_EFFECTS], [Term::Nothing; MAX_EFFECTS]);
+        let mut terms = [Term::Nothing; MAX_EFFECTS];
         let (mut used, mut path_used) = (0, 0);
         let mut load_friction = 0.0;
         for effect in effects {
@@ -79,17 +78,23 @@ impl<R: Fast> Compensator<R> {
                 return Err(CompensatorError::Parameter(effect.kind));
             }
             let Some(term) = Term::new(effect, checked.f1) else { continue };
-            let (list, count) = match term {
+            let slot = match term {
                 Term::Load { .. } => {
                     load_friction += effect.p[0];
                     continue;
                 }
-                Term::DeadZone { .. } | Term::DeadTime { .. } => (&mut path, &mut path_used),
-                _ => (&mut terms, &mut used),
+                Term::DeadZone { .. } | Term::DeadTime { .. } => {
+                    path_used += 1;
+                    terms.iter_mut().rev().nth(path_used - 1)
+                }
+                _ => {
+                    used += 1;
+                    terms.get_mut(used - 1)
+                }
             };
-            if let Some(slot) = list.get_mut(*count) {
+            // There are not more of both than MAX_EFFECTS.
+            if let Some(slot) = slot {
                 *slot = term;
-                *count += 1;
             }
         }
         let load = if load_friction == 0.0 { Term::Nothing } else { Term::load(load_friction) };
@@ -98,7 +103,6 @@ impl<R: Fast> Compensator<R> {
             base,
             terms,
             used,
-            path,
             path_used,
             load,
             lead_s: R::ZERO,
@@ -211,7 +215,7 @@ impl<R: Fast> Compensator<R> {
             return u;
         }
         // The last of the drive path is undone first.
-        self.path.iter().take(self.path_used).rev().fold(u, |u, term| term.inverse(u, v))
+        self.terms.iter().rev().take(self.path_used).rev().fold(u, |u, term| term.inverse(u, v))
     }
 }
 

@@ -15,6 +15,13 @@ pub fn breakaway(arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// What the program says when it does not do it.
+pub fn refused(arguments: &[&str]) -> String {
+    let output = Process::new(program()).args(arguments).stdin(Stdio::null()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "breakaway {}", arguments.join(" "));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
 /// Built beside this test (`CARGO_BIN_EXE_` is for tests of its own package only).
 fn program() -> std::path::PathBuf {
     let test = std::env::current_exe().unwrap();

@@ -5,3 +5,4 @@ mod discover;
 mod faults;
 mod flash;
 mod identify;
+mod loop_closed;
