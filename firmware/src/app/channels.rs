@@ -10,8 +10,8 @@ use super::accumulate::{Accumulation, Sums};
 use super::guard::Guards;
 use super::run::RunOrder;
 
-/// Samples that wait for the thread; one less fits. 12 ms at 10 kHz.
-pub const SAMPLE_QUEUE: usize = 128;
+/// Samples that wait for the thread; one less fits. 6 ms at 10 kHz; a power of two, whose remainder is a mask.
+pub const SAMPLE_QUEUE: usize = 64;
 /// Orders that wait for the tick, which takes one per tick.
 const ORDER_QUEUE: usize = 4;
 /// Events that wait for the thread. The tick holds back what finds no room.
