@@ -1,6 +1,6 @@
 //! `breakaway track`.
 
-mod board;
+pub mod board;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -134,11 +134,35 @@ struct Row {
 }
 
 /// What is followed, for how long, from where on it counts.
-struct Course {
-    reference: Reference,
-    points: Vec<Setpoint<f32>>,
-    settle: f64,
-    from: usize,
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// What.
+    pub reference: Reference,
+    /// The same at each tick.
+    pub points: Vec<Setpoint<f32>>,
+    /// Time that does not count, s.
+    pub settle: f64,
+    /// The first sample that does.
+    pub from: usize,
+}
+
+impl Course {
+    /// A reference at a tick of `tick_s` s, of a sensible length and settled after a fifth unless they are given.
+    ///
+    /// # Errors
+    /// A reference that is none; nothing left to count.
+    pub fn new(reference: Reference, duration: Option<f64>, settle: Option<f64>, tick_s: f64) -> anyhow::Result<Self> {
+        let duration = match duration {
+            Some(duration) => duration,
+            None => reference.duration_s(tick_s)?,
+        };
+        let ticks = (duration / tick_s).round().clamp(8.0, 1e8) as usize;
+        let points = reference.points::<f32>(tick_s, ticks)?;
+        let settle = settle.unwrap_or(0.2 * duration);
+        let from = (settle / tick_s).round() as usize;
+        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
+        Ok(Self { reference, points, settle, from })
+    }
 }
 
 /// The axis that followed.
@@ -198,17 +222,7 @@ impl Args {
 
     /// The reference at a tick of `tick_s` s.
     fn course(&self, tick_s: f64) -> anyhow::Result<Course> {
-        let reference: Reference = self.reference.parse()?;
-        let duration = match self.duration {
-            Some(duration) => duration,
-            None => reference.duration_s(tick_s)?,
-        };
-        let ticks = (duration / tick_s).round().clamp(8.0, 1e8) as usize;
-        let points = reference.points::<f32>(tick_s, ticks)?;
-        let settle = self.settle.unwrap_or(0.2 * duration);
-        let from = (settle / tick_s).round() as usize;
-        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
-        Ok(Course { reference, points, settle, from })
+        Course::new(self.reference.parse()?, self.duration, self.settle, tick_s)
     }
 
     /// Writes recordings and report, prints.

@@ -117,3 +117,16 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
         assert!(said.contains(part), "{reference}: {said}");
     }
 }
+
+/// The demo tells the same story of another effect. Of the base model half of the Stribeck effect is left at least.
+#[test]
+fn the_demo_on_the_virtual_board_names_and_compensates_what_it_hid() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("demo");
+    let told = breakaway(&["demo", "--virtual", "--seed", "1", "-o", &output.display().to_string()]);
+    assert_eq!((&told["hidden"], &told["found"]), (&"stribeck".into(), &serde_json::json!(["stribeck"])), "{told}");
+    assert!(rms(&told, "model") <= 0.5 * rms(&told, "base"), "{told}");
+    for name in ["track.html", "discovery.html", "improved.toml", "controller.toml"] {
+        assert!(output.join(name).is_file(), "{name}");
+    }
+}

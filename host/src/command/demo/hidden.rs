@@ -48,12 +48,17 @@ pub struct Hunt {
     pub told: Vec<String>,
 }
 
+/// What the seed hides.
+pub const fn drawn(seed: u64) -> (Kind, &'static [f64]) {
+    HIDDEN[(seed % HIDDEN.len() as u64) as usize]
+}
+
 /// Hides an effect, runs the standard suite, discovers, writes recordings, report and improved model into `folder`.
 ///
 /// # Errors
 /// A simulation or discovery that fails; files that cannot be written.
 pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
-    let (kind, parameters) = HIDDEN[(seed % HIDDEN.len() as u64) as usize];
+    let (kind, parameters) = drawn(seed);
     let plant = papers_plant();
     let mut axis = Axis::new(plant.base, &[Effect::new(kind, parameters)], plant.units.clone());
     let machine = Machine { drive_limit: 5.0, travel: 5.0, tick_s: 1e-3, sensor: SENSOR, seed };

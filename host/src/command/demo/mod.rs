@@ -1,5 +1,6 @@
 //! `breakaway demo`: the story on a simulated axis, from the relay experiment to the model, to a hidden effect named.
 
+mod board;
 mod hidden;
 
 use std::fmt::Write as _;
@@ -30,12 +31,19 @@ use crate::sine::{self, SineFit};
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway demo -o demo
+  breakaway demo --virtual -o demo
+
+--virtual runs the firmware on a virtual board instead (QEMU, as `virtual-board`): suite, discovery, tuning, tracking with the
+PID alone, the base model and the found model compensated; it writes track.html, controller.toml and the others of discovery.
 
 Writes DIR/demo.html and DIR/discovery.html (open them in a browser), the recordings, model.toml and improved.toml.")]
 pub struct Args {
     /// Folder for what is written
     #[arg(short, long, value_name = "DIR", default_value = "breakaway-demo")]
     pub output: PathBuf,
+    /// On the virtual board, to the end: what was found is compensated
+    #[arg(long = "virtual")]
+    pub on_virtual_board: bool,
     /// Seed: draws the hidden effect, and the noise of its recordings
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
@@ -96,6 +104,9 @@ impl Args {
     /// # Errors
     /// A folder or file that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        if self.on_virtual_board {
+            return board::run(&self, output);
+        }
         let start = Instant::now();
         let folder = &self.output;
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;

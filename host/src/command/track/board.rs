@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 
-use super::{Args, Case, Followed, OnBoard};
+use super::{Args, Case, Course, Followed, OnBoard};
 use crate::command::output::Output;
 use crate::command::progress;
 use crate::control::design::{Design, Request};
@@ -10,7 +10,7 @@ use crate::control::reference::Reference;
 use crate::control::tracking::Bench;
 use crate::device::experiment::{Runner, TrackRun};
 use crate::device::model::to_wire;
-use crate::interrupt::finish_first;
+use crate::interrupt::{FinishFirst, finish_first};
 use crate::model::Model;
 
 /// Tunes for the board's tick, follows, prints, writes recordings and report.
@@ -23,27 +23,42 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
     let controller = args.controller.as_deref().map(Design::read).transpose()?;
     let mut runner = Runner::connect(port, args.baud)?;
     let (tick_s, encoder_step) = (runner.scale.tick_s(), runner.scale.step);
-    let design = match controller {
-        Some(design) => {
-            anyhow::ensure!(
-                (design.tick_s / tick_s - 1.0).abs() < 1e-6,
-                "the controller is for a tick of {} s, the board's is {tick_s} s: tune it with --tick {tick_s}",
-                design.tick_s
-            );
-            design
-        }
-        None => {
-            let drive_limit = args.tuning.drive_limit.unwrap_or_else(|| runner.drive_limit());
-            let request = Request { tick_s, encoder_step, drive_limit, ..args.tuning.request() };
-            Design::new(&model, &request).with_context(|| args.model.display().to_string())?
-        }
+    let design = if let Some(design) = controller {
+        anyhow::ensure!(
+            (design.tick_s / tick_s - 1.0).abs() < 1e-6,
+            "the controller is for a tick of {} s, the board's is {tick_s} s: tune it with --tick {tick_s}",
+            design.tick_s
+        );
+        design
+    } else {
+        let drive_limit = args.tuning.drive_limit.unwrap_or_else(|| runner.drive_limit());
+        let request = Request { tick_s, drive_limit, encoder_step, ..args.tuning.request() };
+        Design::new(&model, &request).with_context(|| args.model.display().to_string())?
     };
     let course = args.course(tick_s)?;
     if let Reference::Sine { amplitude, .. } = course.reference {
         runner.has_room(amplitude)?;
     }
+    let (cases, bench) = cases(&mut runner, &model, &design, &course, &interrupt)?;
+    let name = format!("{} at {port}", runner.board());
+    let units = runner.scale.units.clone();
+    args.finish(&course, &cases, &Followed { name: &name, measured: true, units: &units, bench }, output)
+}
+
+/// Follows the course with the PID alone, with the base model and, if it has effects, with the whole model compensated.
+///
+/// # Errors
+/// Whatever board and link report.
+pub fn cases(
+    runner: &mut Runner,
+    model: &Model,
+    design: &Design,
+    course: &Course,
+    interrupt: &FinishFirst,
+) -> anyhow::Result<(Vec<Case>, Bench)> {
+    let (tick_s, encoder_step) = (runner.scale.tick_s(), runner.scale.step);
     let drive_limit = design.drive_limit.min(runner.drive_limit());
-    let whole = to_wire(&model, &runner.scale)?;
+    let whole = to_wire(model, &runner.scale)?;
     let base = to_wire(&Model { effects: Vec::new(), ..model.clone() }, &runner.scale)?;
     let mut plan = vec![("pid", "PID alone", &base, false), ("base", "base model compensated", &base, true)];
     if !whole.effects.is_empty() {
@@ -62,14 +77,12 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
             from: course.from,
             drive_limit,
         };
-        let followed = runner.follow(&run, &interrupt).context(title)?;
+        let followed = runner.follow(&run, interrupt).context(title)?;
         let board = Some(OnBoard { missing: followed.missing, mismatches: followed.mismatches });
         cases.push(Case { name, title, tracked: followed.tracked, board });
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let name = format!("{} at {port}", runner.board());
-    let units = runner.scale.units.clone();
     let bench = Bench { tick_s, delay_ticks: design.delay_ticks, encoder_step, noise: 0.0, drive_limit, seed: 0 };
-    args.finish(&course, &cases, &Followed { name: &name, measured: true, units: &units, bench }, output)
+    Ok((cases, bench))
 }

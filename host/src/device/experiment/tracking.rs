@@ -1,9 +1,7 @@
 //! A reference followed on the board.
 
 use breakaway_core::control::{Gains, Setpoint};
-use breakaway_core::link::{
-    Bounds, Command, Controller, Ending, FULL_SCALE_CODE, Mismatch, Mode, Model, Pid, Track, Trajectory,
-};
+use breakaway_core::link::{Bounds, Command, Controller, Ending, Mismatch, Mode, Model, Pid, Track, Trajectory};
 
 use super::Runner;
 use crate::control::reference::Reference;
@@ -137,9 +135,8 @@ impl Runner {
             reference.push(point);
             error.push(point - f64::from(row.count.wrapping_sub(zero)) * self.scale.step);
         }
-        let largest = limit_code.min(FULL_SCALE_CODE);
         let saturated =
-            record.rows.iter().filter(|row| row.drive_code.unsigned_abs() >= largest.unsigned_abs()).count();
+            record.rows.iter().filter(|row| row.drive_code.unsigned_abs() >= limit_code.unsigned_abs()).count();
         let tracked = Tracked { recording, error, reference, saturated, from };
         Ok(Followed { tracked, missing, mismatches: record.mismatches })
     }

@@ -152,7 +152,7 @@ impl State {
                 self.note(text::event(event, &self.scale, &self.settings));
                 if matches!(event, Event::ModelMismatch(_)) {
                     let port = &self.port;
-                    self.note(format!("stop it (s), `breakaway run suite --port {port}`, then `breakaway discover`"));
+                    self.note(format!("stop it (s); breakaway run suite --port {port}; breakaway discover"));
                 }
             }
             Message::Reply { reply: Reply::Status(status), .. } => {
