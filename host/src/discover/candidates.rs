@@ -38,6 +38,7 @@ const COMPETITIVE: f64 = 0.4;
 const CONTENDING: f64 = 0.7;
 /// Starts simulated per effect, and where the screen is blind to it.
 const STARTS: usize = 4;
+const PERIODIC_STARTS: usize = 9;
 const BLIND_STARTS: usize = 24;
 /// Segments on which starts are compared, half of them those that the current model fits worst; iterations there; and
 /// how many starts go on.
@@ -72,6 +73,9 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     let has = |kinds: &[Kind]| current.effects.iter().any(|e| kinds.contains(&e.kind));
     if kind.bristles() && has(&[Kind::Dahl, Kind::LuGre]) {
         return Some("the model carries bristle friction already");
+    }
+    if kind.free_memory() == 2 && current.effects.iter().any(|e| e.kind.free_memory() == 2) {
+        return Some("the model carries a second body already");
     }
     if (kind == Kind::LuGre && has(&[Kind::Stribeck])) || (kind == Kind::Stribeck && has(&[Kind::LuGre])) {
         return Some("LuGre friction has the Stribeck curve in it");
@@ -192,7 +196,12 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
 /// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
 /// smoothing of the motion, thresholds), all over the grid.
 fn chosen(kind: Kind, starts: Vec<Start>) -> Vec<Start> {
-    let most = if blind(kind) { BLIND_STARTS } else { STARTS };
+    let periodic = kind.definition().parameters.iter().any(|p| matches!(p.search, Search::Spectrum(_)));
+    let most = match (blind(kind), periodic) {
+        (true, _) => BLIND_STARTS,
+        (_, true) => PERIODIC_STARTS,
+        _ => STARTS,
+    };
     let step = if blind(kind) { starts.len().div_ceil(most).max(1) } else { 1 };
     starts.into_iter().step_by(step).take(most).collect()
 }

@@ -14,6 +14,8 @@ use crate::identify::shooting::{Candidate, Segment};
 use crate::identify::track::{Track, median};
 use crate::identify::weak::{self, Window};
 
+/// Half-widths of the windows in which periodic effects are looked for as well, s.
+const OTHER_WIDTHS_S: [f64; 2] = [0.060, 0.008];
 /// Grid points per effect; beyond that the product of the grids is thinned.
 const MAX_GRID: usize = 36;
 
@@ -38,12 +40,22 @@ pub struct Screen<'a> {
     residual: DVector<f64>,
     square: f64,
     stroke: f64,
+    /// The same with longer and shorter windows, for what is periodic: a slow ripple drowns in the noise of short ones, a fast
+    /// one passes within long ones.
+    others: Vec<Screen<'a>>,
 }
 
 impl<'a> Screen<'a> {
     /// Prepares the screen; `None` where the data hold too little motion.
     pub fn new(data: &'a Data, current: &Candidate) -> Option<Self> {
-        let windows: Vec<Window> = weak::windows(&data.tracks)
+        let mut screen = Self::of_width(data, current, weak::HALF_WIDTH_S)?;
+        screen.others =
+            OTHER_WIDTHS_S.iter().filter_map(|width_s| Self::of_width(data, current, *width_s)).collect();
+        Some(screen)
+    }
+
+    fn of_width(data: &'a Data, current: &Candidate, width_s: f64) -> Option<Self> {
+        let windows: Vec<Window> = weak::windows_of(&data.tracks, width_s)
             .into_iter()
             .filter(|w| data.fit.iter().any(|s| s.track == w.track && inside(s, w)))
             .collect();
@@ -58,6 +70,7 @@ impl<'a> Screen<'a> {
             residual: DVector::zeros(0),
             square: 0.0,
             stroke: stroke(data),
+            others: Vec::new(),
         };
         for effect in &current.effects {
             target += screen.effect_column(current.base, effect);
@@ -99,8 +112,21 @@ impl<'a> Screen<'a> {
         DVector::from_iterator(self.windows.len(), column)
     }
 
-    /// Starting points of an effect, the best first.
+    /// Starting points of an effect, the best first; of a periodic one, the best of each width of the windows in turn.
     pub fn starts(&self, kind: Kind) -> Vec<Start> {
+        let own = self.own_starts(kind);
+        if !kind.definition().parameters.iter().any(|p| matches!(p.search, Search::Spectrum(_))) {
+            return own;
+        }
+        let mut all: Vec<(usize, Start)> = own.into_iter().enumerate().collect();
+        for other in &self.others {
+            all.extend(other.own_starts(kind).into_iter().enumerate());
+        }
+        all.sort_by_key(|(rank, _)| *rank);
+        all.into_iter().map(|(_, start)| start).collect()
+    }
+
+    fn own_starts(&self, kind: Kind) -> Vec<Start> {
         let mut starts: Vec<Start> = self
             .grid(kind)
             .into_iter()

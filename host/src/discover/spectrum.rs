@@ -11,13 +11,14 @@ const PEAKS: usize = 6;
 const MAX_WINDOWS: usize = 1500;
 /// Wave numbers tried at the most.
 const MAX_LINES: usize = 8000;
-/// Standard deviation of the windows' test function as a density, s: `20 ms·√(I2/I0)`.
-const WINDOW_S: f64 = 0.006;
+/// Standard deviation of the windows' test function as a density, as a share of their half-width: `√(I2/I0)`.
+const SPREAD: f64 = 0.3013;
 
 /// Share of the force's sum of squares `total` that its strongest line takes, less what chance gives the best of many.
 pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over: Over, total: f64) -> f64 {
     let points = points(tracks, windows, force, over);
-    let best = peaks(tracks, windows, force, over).first().map_or(0.0, |n| line_power(&points, *n));
+    let width_s = windows.first().map_or(0.0, Window::half_width_s);
+    let best = peaks(tracks, windows, force, over).first().map_or(0.0, |n| line_power(&points, *n, width_s));
     let scale = force.len() as f64 / points.len().max(1) as f64;
     let chance = 2.0 * (MAX_LINES as f64).ln() / points.len().max(1) as f64;
     (best * scale / total.max(f64::MIN_POSITIVE) - chance).clamp(0.0, 1.0)
@@ -26,6 +27,7 @@ pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over
 /// The strongest wave numbers (or angular frequencies) of the residual force, the strongest first.
 pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<f64> {
     let points = points(tracks, windows, force, over);
+    let width_s = windows.first().map_or(0.0, Window::half_width_s);
     let low = points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
     let high = points.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
     let span = high - low;
@@ -39,17 +41,17 @@ pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) ->
         // Beyond this the ripple passes within a window even in the slowest parts of the motion.
         let mut speeds: Vec<f64> = points.iter().map(|p| p[2].abs()).collect();
         speeds.sort_by(f64::total_cmp);
-        1.5 / (WINDOW_S * speeds[speeds.len() / 32].max(1e-12))
+        1.5 / (SPREAD * width_s * speeds[speeds.len() / 32].max(1e-12))
     };
     let lines = ((fastest / spacing) as usize).clamp(8, MAX_LINES);
-    let mut power: Vec<f64> = (1..=lines).map(|i| line_power(&points, i as f64 * spacing)).collect();
+    let mut power: Vec<f64> = (1..=lines).map(|i| line_power(&points, i as f64 * spacing, width_s)).collect();
     let mut found = Vec::new();
     for _ in 0..PEAKS {
         let Some((i, _)) = power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
         if power[i] <= 0.0 {
             break;
         }
-        found.push(polish(&points, (i + 1) as f64 * spacing, spacing));
+        found.push(polish(&points, (i + 1) as f64 * spacing, spacing, width_s));
         // The main lobe is eight lines wide at a quarter of the resolution.
         for slot in power.iter_mut().take(i + 5).skip(i.saturating_sub(4)) {
             *slot = 0.0;
@@ -77,11 +79,11 @@ fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Ve
         .collect()
 }
 
-/// Reduction of the sum of squares by a sine and cosine at wave number `n`, attenuated by the windows.
-fn line_power(points: &[[f64; 3]], n: f64) -> f64 {
+/// Reduction of the sum of squares by a sine and cosine at wave number `n`, attenuated by windows of that half-width.
+fn line_power(points: &[[f64; 3]], n: f64, width_s: f64) -> f64 {
     let (mut cc, mut cs, mut ss, mut fc, mut fs) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for [x, force, v] in points {
-        let a = n * v * WINDOW_S;
+        let a = n * v * SPREAD * width_s;
         let attenuation = 1.0 / (1.0 + 0.5 * a * a);
         let (s, c) = (n * x).sin_cos();
         let (s, c) = (s * attenuation, c * attenuation);
@@ -99,12 +101,12 @@ fn line_power(points: &[[f64; 3]], n: f64) -> f64 {
 }
 
 /// The maximum within a spacing of `n`, by golden section.
-fn polish(points: &[[f64; 3]], n: f64, spacing: f64) -> f64 {
+fn polish(points: &[[f64; 3]], n: f64, spacing: f64, width_s: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let (mut lo, mut hi) = ((n - spacing).max(0.2 * spacing), n + spacing);
     for _ in 0..12 {
         let (a, b) = (hi - GOLDEN * (hi - lo), lo + GOLDEN * (hi - lo));
-        if line_power(points, a) > line_power(points, b) { hi = b } else { lo = a }
+        if line_power(points, a, width_s) > line_power(points, b, width_s) { hi = b } else { lo = a }
     }
     0.5 * (lo + hi)
 }

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 use super::track::Track;
 
 /// Half-width of a window, s; at least [`MIN_HALF_SAMPLES`] samples.
-const HALF_WIDTH_S: f64 = 0.020;
+pub const HALF_WIDTH_S: f64 = 0.020;
 const MIN_HALF_SAMPLES: usize = 8;
 /// ∫(1−s²)⁴ ds and ∫s²(1−s²)⁴ ds over −1..1.
 const I0: f64 = 256.0 / 315.0;
@@ -108,9 +108,14 @@ impl Kernels {
 
 /// All windows of the tracks that lie within one piece and hold no stick phase.
 pub fn windows(tracks: &[Track]) -> Vec<Window> {
+    windows_of(tracks, HALF_WIDTH_S)
+}
+
+/// As [`windows`], of another half-width, s: the noise of their force falls as its power −2.5.
+pub fn windows_of(tracks: &[Track], half_width_s: f64) -> Vec<Window> {
     let mut all = Vec::new();
     for (index, track) in tracks.iter().enumerate() {
-        let half = ((HALF_WIDTH_S / track.ts).round() as usize).max(MIN_HALF_SAMPLES);
+        let half = ((half_width_s / track.ts).round() as usize).max(MIN_HALF_SAMPLES);
         let width = half as f64 * track.ts;
         let still = still_samples(track);
         let mut cache: Option<Arc<Kernels>> = None;
@@ -192,6 +197,11 @@ fn still_samples(track: &Track) -> Vec<bool> {
 }
 
 impl Window {
+    /// Half its width, s.
+    pub fn half_width_s(&self) -> f64 {
+        self.width
+    }
+
     /// ∫φ̈g and −∫φ̇g of a quantity given at the samples of the window's track.
     pub fn derivatives(&self, g: impl Fn(usize) -> f64) -> (f64, f64) {
         let reference = g(self.centre);
