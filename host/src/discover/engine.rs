@@ -4,11 +4,13 @@ use std::time::Instant;
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
-use super::candidates::{self, Round, Tried};
+use super::candidates::{self, Round};
 use super::data::Data;
-use super::decide::{FURTHER, NAMING, Paired, TIED_Z, paired};
+use super::decide::paired;
+use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
-use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, ParameterValue, Provenance, Rival, Rung, Verdict};
+use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, ParameterValue, Provenance, Rung, Verdict};
+use super::ranking::{better, preference, rivals, simpler_laws, table};
 use super::screen::Screen;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
@@ -16,24 +18,10 @@ use crate::identify::shooting::{Candidate, Fit, Free};
 use crate::model::catalogue::unit;
 use crate::recording::{Recording, Units};
 
-/// Effects with enough evidence that are checked on held-out data in a round.
-const CONSIDERED: usize = 4;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
-/// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
-const GAP_NOISE: f64 = 0.06;
-/// Share of held-out segments that may stay above twice the noise's mean square in an explained record.
-const LEFT_OVER: f64 = 0.05;
-/// The median segment's mean square over the noise's below which no further effect is looked for.
-const OUTLIERS: f64 = 1.15;
-/// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
-/// they would leave most of it.
-const LEAST_SHARE: f64 = 0.25;
-const LEAST_TOTAL: f64 = 0.5;
-/// Growth of the open-loop mean square error on held-out data at which an effect is not believed.
-const OPEN_LOOP_GROWTH: f64 = 1.5;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
 const UNITS_FACTOR: f64 = 20.0;
 
@@ -240,184 +228,6 @@ fn starting_model(request: &Request, identified: &estimate::Identified) -> Resul
     Ok(Candidate { base, effects: model.effects.clone() })
 }
 
-/// How far a model is from the held-out data.
-#[derive(Clone, Copy, Debug)]
-struct Gap {
-    mean_log: f64,
-    /// Root mean square error.
-    rmse: f64,
-    /// Mean square error beyond the noise's, without the worst tenth of the segments.
-    excess: f64,
-    /// Mean square of the median segment over the noise's.
-    median: f64,
-    /// Share of segments above twice the noise's mean square.
-    above: f64,
-    /// Mean square error of the open-loop windows, simulated from the smoothed motion at their start.
-    open_loop: f64,
-}
-
-impl Gap {
-    fn of(data: &Data, fit: &Fit) -> Self {
-        let floor = data.sigma * data.sigma;
-        let mse = data.over(&data.score).score(&fit.candidate);
-        let n = mse.len() as f64;
-        // A few segments that diverge (an impact, a missed stick) do not set the mean square: the upper decile is cut.
-        let trimmed = |sorted: &[f64]| {
-            let kept = &sorted[..(sorted.len() * 9).div_ceil(10)];
-            kept.iter().sum::<f64>() / kept.len().max(1) as f64
-        };
-        let mut sorted = mse.clone();
-        sorted.sort_by(f64::total_cmp);
-        let mut open: Vec<f64> = open_loop_squares(data, fit).iter().map(|(square, n)| square / *n as f64).collect();
-        open.sort_by(f64::total_cmp);
-        Self {
-            open_loop: trimmed(&open),
-            rmse: root_mean(&mse),
-            median: sorted[sorted.len() / 2] / floor,
-            mean_log: mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / n,
-            excess: (trimmed(&sorted) - floor).max(1e-3 * floor),
-            above: mse.iter().filter(|m| **m > 2.0 * floor).count() as f64 / n,
-        }
-    }
-    /// Why a model with the gap `after` is no progress on held-out data; `None` if it is.
-    fn refuses(&self, after: &Self) -> Option<String> {
-        if after.mean_log >= self.mean_log || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
-            return Some("fits, but does not hold on held-out data".to_owned());
-        }
-        // Starts that are fitted in every segment can hide what goes wrong within a second.
-        if after.open_loop > OPEN_LOOP_GROWTH * self.open_loop {
-            return Some("fits short segments, but drifts off in open loop".to_owned());
-        }
-        self.leaves(after, LEAST_SHARE)
-            .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * self.share(after)))
-    }
-    /// Share of the mean square gap that the model with the gap `after` explains.
-    fn share(&self, after: &Self) -> f64 {
-        1.0 - after.excess / self.excess
-    }
-    /// Whether it explains less than `least` of the mean square, and of the logarithm less than half.
-    fn leaves(&self, after: &Self, least: f64) -> bool {
-        self.share(after) < least && after.mean_log > 0.5 * self.mean_log
-    }
-    fn real(&self) -> bool {
-        self.mean_log > GAP_NOISE && self.above > LEFT_OVER
-    }
-    /// Whether the typical segment is down to the noise: what is left lies in a few, where a further effect would be fitted to
-    /// outliers.
-    fn only_outliers(&self) -> bool {
-        self.median < OUTLIERS
-    }
-    fn explained(&self) -> bool {
-        self.mean_log < GAP_NOISE && self.above <= LEFT_OVER
-    }
-}
-
-/// The effects whose evidence suffices, in the order in which they are considered: the best first, but among those tied
-/// with it the one with the fewest parameters; then the others by their cost, a few.
-fn preference(data: &Data, current: &Fit, tried: &[Tried], first: bool) -> Vec<usize> {
-    let asked = if first { &NAMING } else { &FURTHER };
-    let mut order: Vec<usize> = (0..tried.len())
-        .filter(|i| {
-            tried[*i].fit.as_ref().is_ok_and(|fit| {
-                let evidence = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
-                evidence.names(fit.free.len() - current.free.len(), asked)
-            })
-        })
-        .take(CONSIDERED)
-        .collect();
-    let fits: Vec<&Fit> = order.iter().filter_map(|i| tried[*i].fit.as_ref().ok()).collect();
-    let Some(best) = fits.first() else { return order };
-    let simplest = fits
-        .iter()
-        .enumerate()
-        .filter(|(_, fit)| {
-            let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
-            !better(&against, best.free.len().saturating_sub(fit.free.len()))
-        })
-        .min_by_key(|(rank, fit)| (fit.free.len(), *rank))
-        .map_or(0, |(rank, _)| rank);
-    let preferred = order.remove(simplest);
-    order.insert(0, preferred);
-    order
-}
-
-/// Whether paired evidence separates two models that differ by `extra` parameters: by most segments, or, where a few tell
-/// them apart (a phase of rest, an edge), by a likelihood beyond doubt.
-fn better(evidence: &Paired, extra: usize) -> bool {
-    let price = NAMING.price * extra as f64;
-    (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || (evidence.z > 1.2 && evidence.lambda > 100.0 + price)
-}
-
-/// The laws with fewer parameters than the named one that it may be confused with, as they were fitted beside it.
-fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<Effect<f64>> {
-    let definition = tried[named].kind.definition();
-    let Ok(winner) = &tried[named].fit else { return Vec::new() };
-    tried
-        .iter()
-        .filter(|t| definition.confused_with.contains(&t.kind.name()))
-        .filter_map(|t| t.fit.as_ref().ok())
-        .filter(|fit| fit.free.len() < winner.free.len())
-        .filter_map(|fit| fit.candidate.effects.get(place).copied())
-        .collect()
-}
-
-fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival> {
-    let mut rivals: Vec<Rival> = tried
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| *i != index)
-        .filter_map(|(_, t)| {
-            let fit = t.fit.as_ref().ok()?;
-            let p = paired(&fit.mse, &winner.mse, &winner.samples, data.floor());
-            // A richer law that does no better is no rival: it has the named one as a special case, or pays for nothing.
-            let idle = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
-            Some(Rival { kind: t.kind, delta: p.delta, z: p.z, tied: !idle && !better(&p, 0) })
-        })
-        .collect();
-    rivals.sort_by(|a, b| a.delta.total_cmp(&b.delta));
-    rivals.truncate(5);
-    rivals
-}
-
-fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<usize>) -> Vec<CandidateRow> {
-    let best = winner.and_then(|i| tried[i].fit.as_ref().ok());
-    tried
-        .iter()
-        .enumerate()
-        .map(|(i, t)| match &t.fit {
-            Err(reason) => {
-                CandidateRow { kind: t.kind, delta: f64::NAN, z: f64::NAN, lambda: f64::NAN, fate: reason.clone() }
-            }
-            Ok(fit) => {
-                let p = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
-                let k = fit.free.len() - current.free.len();
-                let fate = if Some(i) == winner {
-                    "named".to_owned()
-                } else if !p.names(k, &NAMING) {
-                    format!(
-                        "its gain is not significant (asked: Δ ≥ {}, z ≥ {}, λ ≥ {})",
-                        NAMING.delta,
-                        NAMING.z,
-                        NAMING.lambda + NAMING.price * k as f64
-                    )
-                } else if let Some(best) = best {
-                    let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
-                    if fit.free.len() > best.free.len() && against.delta > -0.5 * NAMING.delta {
-                        "does no better with more parameters".to_owned()
-                    } else if better(&against, 0) {
-                        format!("loses to the named effect by Δ {:.3}, z {:.1}", against.delta, against.z)
-                    } else {
-                        "tied: these recordings cannot tell it from the named effect".to_owned()
-                    }
-                } else {
-                    "not the best".to_owned()
-                };
-                CandidateRow { kind: t.kind, delta: p.delta, z: p.z, lambda: p.lambda, fate }
-            }
-        })
-        .collect()
-}
-
 fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
     let effect: &Effect<f64> = &fit.candidate.effects[j];
     let definitions = effect.kind.definition().parameters.iter().enumerate();
@@ -443,10 +253,6 @@ fn model_se(fit: &Fit) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn root_mean(mse: &[f64]) -> f64 {
-    (mse.iter().sum::<f64>() / mse.len().max(1) as f64).sqrt()
-}
-
 fn rung(data: &Data, fit: &Fit) -> Rung {
     let score = data.over(&data.score).score(&fit.candidate);
     let (square, count) =
@@ -458,19 +264,6 @@ fn rung(data: &Data, fit: &Fit) -> Rung {
         holdout_rmse: root_mean(&score),
         holdout_open_loop_rmse: (square / count.max(1) as f64).sqrt(),
     }
-}
-
-/// Sum of squares and samples of every open-loop window, simulated from the smoothed motion at its start.
-fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
-    let open = data.over(&data.open_loop);
-    let windows = data.open_loop.iter().zip(open.smoothed_initial(&fit.candidate));
-    windows
-        .map(|(segment, initial)| {
-            let measured = &data.tracks[segment.track].x[segment.start..segment.start + segment.len];
-            let simulated = open.positions(&fit.candidate, *segment, initial);
-            (simulated.iter().zip(measured).map(|(s, m)| (s - m).powi(2)).sum(), segment.len)
-        })
-        .collect()
 }
 
 fn limits(data: &Data) -> Limits {

@@ -49,8 +49,7 @@ impl<'a> Screen<'a> {
     /// Prepares the screen; `None` where the data hold too little motion.
     pub fn new(data: &'a Data, current: &Candidate) -> Option<Self> {
         let mut screen = Self::of_width(data, current, weak::HALF_WIDTH_S)?;
-        screen.others =
-            OTHER_WIDTHS_S.iter().filter_map(|width_s| Self::of_width(data, current, *width_s)).collect();
+        screen.others = OTHER_WIDTHS_S.iter().filter_map(|width_s| Self::of_width(data, current, *width_s)).collect();
         Some(screen)
     }
 

@@ -1,0 +1,107 @@
+//! How far a model is from the data that it was not fitted to, and whether an effect holds there.
+
+use super::data::Data;
+use crate::identify::shooting::Fit;
+
+/// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
+const GAP_NOISE: f64 = 0.06;
+/// Share of held-out segments that may stay above twice the noise's mean square in an explained record.
+const LEFT_OVER: f64 = 0.05;
+/// The median segment's mean square over the noise's below which no further effect is looked for.
+const OUTLIERS: f64 = 1.15;
+/// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
+/// they would leave most of it.
+pub(super) const LEAST_SHARE: f64 = 0.25;
+/// See [`LEAST_SHARE`].
+pub(super) const LEAST_TOTAL: f64 = 0.5;
+/// Growth of the open-loop mean square error on held-out data at which an effect is not believed.
+const OPEN_LOOP_GROWTH: f64 = 1.5;
+
+/// How far a model is from the held-out data.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    mean_log: f64,
+    /// Root mean square error.
+    rmse: f64,
+    /// Mean square error beyond the noise's, without the worst tenth of the segments.
+    excess: f64,
+    /// Mean square of the median segment over the noise's.
+    median: f64,
+    /// Share of segments above twice the noise's mean square.
+    above: f64,
+    /// Mean square error of the open-loop windows, simulated from the smoothed motion at their start.
+    open_loop: f64,
+}
+
+impl Gap {
+    pub(super) fn of(data: &Data, fit: &Fit) -> Self {
+        let floor = data.sigma * data.sigma;
+        let mse = data.over(&data.score).score(&fit.candidate);
+        let n = mse.len() as f64;
+        // A few segments that diverge (an impact, a missed stick) do not set the mean square: the upper decile is cut.
+        let trimmed = |sorted: &[f64]| {
+            let kept = &sorted[..(sorted.len() * 9).div_ceil(10)];
+            kept.iter().sum::<f64>() / kept.len().max(1) as f64
+        };
+        let mut sorted = mse.clone();
+        sorted.sort_by(f64::total_cmp);
+        let mut open: Vec<f64> = open_loop_squares(data, fit).iter().map(|(square, n)| square / *n as f64).collect();
+        open.sort_by(f64::total_cmp);
+        Self {
+            open_loop: trimmed(&open),
+            rmse: root_mean(&mse),
+            median: sorted[sorted.len() / 2] / floor,
+            mean_log: mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / n,
+            excess: (trimmed(&sorted) - floor).max(1e-3 * floor),
+            above: mse.iter().filter(|m| **m > 2.0 * floor).count() as f64 / n,
+        }
+    }
+    /// Why a model with the gap `after` is no progress on held-out data; `None` if it is.
+    pub(super) fn refuses(&self, after: &Self) -> Option<String> {
+        if after.mean_log >= self.mean_log || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
+            return Some("fits, but does not hold on held-out data".to_owned());
+        }
+        // Starts that are fitted in every segment can hide what goes wrong within a second.
+        if after.open_loop > OPEN_LOOP_GROWTH * self.open_loop {
+            return Some("fits short segments, but drifts off in open loop".to_owned());
+        }
+        self.leaves(after, LEAST_SHARE)
+            .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * self.share(after)))
+    }
+    /// Share of the mean square gap that the model with the gap `after` explains.
+    pub(super) fn share(&self, after: &Self) -> f64 {
+        1.0 - after.excess / self.excess
+    }
+    /// Whether it explains less than `least` of the mean square, and of the logarithm less than half.
+    pub(super) fn leaves(&self, after: &Self, least: f64) -> bool {
+        self.share(after) < least && after.mean_log > 0.5 * self.mean_log
+    }
+    pub(super) fn real(&self) -> bool {
+        self.mean_log > GAP_NOISE && self.above > LEFT_OVER
+    }
+    /// Whether the typical segment is down to the noise: what is left lies in a few, where a further effect would be fitted to
+    /// outliers.
+    pub(super) fn only_outliers(&self) -> bool {
+        self.median < OUTLIERS
+    }
+    pub(super) fn explained(&self) -> bool {
+        self.mean_log < GAP_NOISE && self.above <= LEFT_OVER
+    }
+}
+
+/// Sum of squares and samples of every open-loop window, simulated from the smoothed motion at its start.
+pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
+    let open = data.over(&data.open_loop);
+    let windows = data.open_loop.iter().zip(open.smoothed_initial(&fit.candidate));
+    windows
+        .map(|(segment, initial)| {
+            let measured = &data.tracks[segment.track].x[segment.start..segment.start + segment.len];
+            let simulated = open.positions(&fit.candidate, *segment, initial);
+            (simulated.iter().zip(measured).map(|(s, m)| (s - m).powi(2)).sum(), segment.len)
+        })
+        .collect()
+}
+
+pub(super) fn root_mean(mse: &[f64]) -> f64 {
+    (mse.iter().sum::<f64>() / mse.len().max(1) as f64).sqrt()
+}

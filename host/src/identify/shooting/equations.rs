@@ -1,0 +1,155 @@
+//! The normal equations of multiple shooting: every segment's start is eliminated by Schur complement.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{MEMORY_DEVIATIONS, Problem, Segment, Start};
+use crate::identify::candidate::Candidate;
+
+/// Normal equations of the parameters, the initial states eliminated.
+struct Reduced {
+    hessian: DMatrix<f64>,
+    gradient: DVector<f64>,
+    /// Σ of the outer products of the segments' gradients.
+    scores: DMatrix<f64>,
+    eliminated: Vec<(DMatrix<f64>, DMatrix<f64>, DVector<f64>)>,
+}
+
+/// Normal equations of one segment.
+pub(super) struct Normal {
+    pub(super) hessian: DMatrix<f64>,
+    pub(super) gradient: DVector<f64>,
+    pub(super) mse: f64,
+    pub(super) samples: f64,
+}
+
+impl Problem<'_> {
+    /// A step of one segment's start alone, the parameters held.
+    pub(super) fn start_step(
+        &self,
+        normal: &Normal,
+        segment: Segment,
+        start: Start,
+        p: usize,
+        damping: f64,
+    ) -> Option<Start> {
+        let (local, gradient) = self.local_equations(normal, segment, start, p, damping);
+        let step = local.cholesky()?.solve(&gradient);
+        Some(std::array::from_fn(|i| start[i] + step.get(i).copied().unwrap_or(0.0)))
+    }
+
+    /// Normal equations of one segment's start, its prior and bounds included, over the weight of the segment.
+    fn local_equations(
+        &self,
+        normal: &Normal,
+        segment: Segment,
+        start: Start,
+        p: usize,
+        damping: f64,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let weight = 1.0 / (self.floor() + normal.mse);
+        let count = normal.gradient.len() - p;
+        let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
+        let mut gradient = normal.gradient.rows(p, count).into_owned();
+        let scales = self.start_scales(segment);
+        for i in 0..count {
+            // A body that sticks, or is pushed, forgets how it started: such starts stay where they are.
+            local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
+        }
+        if count == 4 {
+            for (i, deviation) in (2..4).zip(self.memory_deviations()) {
+                let precision = 1.0 / (weight * deviation * deviation);
+                local[(i, i)] += precision;
+                gradient[i] -= precision * start[i];
+            }
+        }
+        (local, gradient)
+    }
+
+    /// Eliminates the initial states of every segment; `None` if a segment does not determine its own.
+    fn reduce(&self, normals: &[Normal], states: &[Start], p: usize, damping: f64) -> Option<Reduced> {
+        let mut reduced = Reduced {
+            hessian: DMatrix::zeros(p, p),
+            gradient: DVector::zeros(p),
+            scores: DMatrix::zeros(p, p),
+            eliminated: Vec::with_capacity(normals.len()),
+        };
+        for ((normal, segment), state) in normals.iter().zip(self.segments).zip(states) {
+            let weight = 1.0 / (self.floor() + normal.mse);
+            let count = normal.gradient.len() - p;
+            let (local, local_gradient) = self.local_equations(normal, *segment, *state, p, damping);
+            let inverse = local.cholesky()?.inverse();
+            let cross = normal.hessian.view((0, p), (p, count)).into_owned();
+            let product = &cross * &inverse;
+            reduced.hessian += weight * (normal.hessian.view((0, 0), (p, p)) - &product * cross.transpose());
+            let score = weight * (normal.gradient.rows(0, p) - &product * &local_gradient);
+            reduced.scores += &score * score.transpose();
+            reduced.gradient += score;
+            reduced.eliminated.push((inverse, cross, local_gradient));
+        }
+        Some(reduced)
+    }
+
+    /// Standard deviations of a second body's position and velocity about what the motion before the segment says.
+    fn memory_deviations(&self) -> [f64; 2] {
+        let position = MEMORY_DEVIATIONS * self.sigma;
+        [position, position * 0.1 / self.tracks[0].ts]
+    }
+
+    /// Minus the log prior of the second bodies' starts.
+    pub(super) fn memory_cost(&self, states: &[Start], candidate: &Candidate) -> f64 {
+        if candidate.local() < 4 {
+            return 0.0;
+        }
+        let [position, velocity] = self.memory_deviations();
+        states.iter().map(|s| 0.5 * ((s[2] / position).powi(2) + (s[3] / velocity).powi(2))).sum()
+    }
+
+    /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
+    fn start_scales(&self, segment: Segment) -> Start {
+        let track = &self.tracks[segment.track];
+        let range = segment.start..segment.start + segment.len;
+        let speed = (track.vs[range.clone()].iter().map(|v| v * v).sum::<f64>() / segment.len as f64).sqrt();
+        let x = &track.xs[range];
+        let travel = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
+        let velocity = speed + 100.0 * self.sigma;
+        [100.0 * self.sigma + travel, velocity, 10.0 * self.sigma + 0.2 * travel, velocity]
+    }
+
+    /// One damped Gauss–Newton step: parameters and initial states.
+    pub(super) fn step(
+        &self,
+        normals: &[Normal],
+        states: &[Start],
+        p: usize,
+        damping: f64,
+    ) -> Option<(DVector<f64>, Vec<Start>)> {
+        let reduced = self.reduce(normals, states, p, damping)?;
+        let mut damped = reduced.hessian.clone();
+        for i in 0..p {
+            damped[(i, i)] *= 1.0 + damping;
+            // A parameter that the data does not touch keeps its value.
+            if damped[(i, i)] <= 0.0 {
+                damped[(i, i)] = 1.0;
+            }
+        }
+        let step = damped.cholesky()?.solve(&reduced.gradient);
+        let local = reduced
+            .eliminated
+            .iter()
+            .map(|(inverse, cross, gradient)| {
+                let d = inverse * (gradient - cross.transpose() * &step);
+                std::array::from_fn(|i| d.get(i).copied().unwrap_or(0.0))
+            })
+            .collect();
+        Some((step, local))
+    }
+
+    /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
+    /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
+    pub(super) fn covariance(&self, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
+        let unknown = || DMatrix::from_element(p, p, f64::NAN);
+        let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, states, p, 0.0) else { return unknown() };
+        let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };
+        if self.segments.len() < 4 * p { inverse } else { &inverse * scores * &inverse }
+    }
+}
