@@ -13,14 +13,14 @@ use super::screen::{Screen, Start};
 use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem, Segment};
 use crate::identify::track::median;
 
-/// Share of the segments in the first heat, iterations there, and in the final.
-const FIRST_SHARE: usize = 3;
 /// Floor of the logarithm, as a share of the median segment's mean square: of the current model's in the first heat, and of
 /// the best effect's in the final.
 const HEAT_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
 /// Floor of the base model's fit, as a multiple of the mean square that it leaves.
 const BASE_FLOOR: f64 = 10.0;
+/// One in so many segments is in the first heat; iterations there, in the final, and of a fit that is to converge.
+const FIRST_SHARE: usize = 3;
 const FIRST_ITERATIONS: usize = 5;
 const FINAL_ITERATIONS: usize = 12;
 const LAST_ITERATIONS: usize = 20;
@@ -181,7 +181,8 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
             Tried { kind, fit }
         })
         .collect();
-    let best = tried.iter().map(Tried::cost).fold(f64::INFINITY, f64::min);
+    // Where nothing gains, no share is positive, and nothing is worth more work.
+    let best = tried.iter().map(Tried::cost).fold(current.cost, f64::min);
     let share = |fit: &Fit| (current.cost - fit.cost) / (current.cost - best);
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit
@@ -196,8 +197,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
 /// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
 /// smoothing of the motion, thresholds), all over the grid.
 fn chosen(kind: Kind, starts: Vec<Start>) -> Vec<Start> {
-    let periodic = kind.definition().parameters.iter().any(|p| matches!(p.search, Search::Spectrum(_)));
-    let most = match (blind(kind), periodic) {
+    let most = match (blind(kind), kind.definition().periodic()) {
         (true, _) => BLIND_STARTS,
         (_, true) => PERIODIC_STARTS,
         _ => STARTS,
@@ -320,6 +320,9 @@ pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) ->
         .with_max_len(1)
         .filter_map(|rival| {
             let mut candidate = current.candidate.clone();
+            if candidate.effects.iter().any(|effect| effect.kind == rival.kind) {
+                return None;
+            }
             candidate.effects[j] = *rival;
             problem.fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
         })

@@ -108,7 +108,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut remarks = identified.remarks;
     while named.len() < MAX_ADDED && (named.is_empty() || !gap.only_outliers()) {
         progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
-        let Some(screen) = Screen::new(&data, &current.candidate) else { break };
+        let Some(screen) = Screen::of_all_widths(&data, &current.candidate) else { break };
         let Round { data: judged, current: without, mut tried } = candidates::try_all(&data, &current, &screen, rotary);
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let order = preference(&judged, &without, &tried, named.is_empty());
@@ -145,9 +145,15 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         for j in 0..named.len() - 1 {
             let place = start.effects.len() + j;
             if let Some(other) = candidates::replaced(&judged, &current, place, &simpler[j])
-                && !better(&paired(&other.mse, &current.mse, &current.samples, judged.floor()), 1)
+                && !better(
+                    &paired(&other.mse, &current.mse, &current.samples, judged.floor()),
+                    current.free.len().saturating_sub(other.free.len()),
+                )
             {
-                named[j].kind = other.candidate.effects[place].kind;
+                let (old, new) = (named[j].kind, other.candidate.effects[place].kind);
+                remarks.push(format!("beside what was named later, {} does as well as {}", new.name(), old.name()));
+                named[j].kind = new;
+                named[j].rivals.retain(|rival| rival.kind != new);
                 gap = Gap::of(&data, &other);
                 current = other;
             }

@@ -48,7 +48,12 @@ pub struct Screen<'a> {
 impl<'a> Screen<'a> {
     /// Prepares the screen; `None` where the data hold too little motion.
     pub fn new(data: &'a Data, current: &Candidate) -> Option<Self> {
-        let mut screen = Self::of_width(data, current, weak::HALF_WIDTH_S)?;
+        Self::of_width(data, current, weak::HALF_WIDTH_S)
+    }
+
+    /// As [`Self::new`], and ready to look for periodic effects in longer and shorter windows too.
+    pub fn of_all_widths(data: &'a Data, current: &Candidate) -> Option<Self> {
+        let mut screen = Self::new(data, current)?;
         screen.others = OTHER_WIDTHS_S.iter().filter_map(|width_s| Self::of_width(data, current, *width_s)).collect();
         Some(screen)
     }
@@ -114,7 +119,7 @@ impl<'a> Screen<'a> {
     /// Starting points of an effect, the best first; of a periodic one, the best of each width of the windows in turn.
     pub fn starts(&self, kind: Kind) -> Vec<Start> {
         let own = self.own_starts(kind);
-        if !kind.definition().parameters.iter().any(|p| matches!(p.search, Search::Spectrum(_))) {
+        if !kind.definition().periodic() {
             return own;
         }
         let mut all: Vec<(usize, Start)> = own.into_iter().enumerate().collect();

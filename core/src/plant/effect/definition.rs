@@ -119,3 +119,10 @@ pub struct Definition {
     /// What a controller can do about it; `None` if it cannot compensate it.
     pub compensation: Option<&'static str>,
 }
+
+impl Definition {
+    /// Whether a wave number or frequency of it comes from the spectrum of the residual force.
+    pub fn periodic(&self) -> bool {
+        self.parameters.iter().any(|parameter| matches!(parameter.search, Search::Spectrum(_)))
+    }
+}
