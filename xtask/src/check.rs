@@ -44,6 +44,9 @@ fn steps(report: &mut Report) -> Result<()> {
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--doc", "--no-fail-fast"]))
     })?;
+    report.check("`cargo run` without a name runs the command, as the README says", || {
+        run(&mut cargo(["run", "--quiet", "--", "--version"]))
+    })?;
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;
     }
