@@ -1,10 +1,12 @@
 //! `breakaway discover`.
 
+pub mod fleet;
+
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
 use anyhow::Context;
-use sha2::{Digest, Sha256};
 
 use super::output::Output;
 use super::progress;
@@ -12,6 +14,8 @@ use super::recording_args::RecordingArgs;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
 use crate::file::write_whole;
+pub use crate::fleet::hash::hash;
+use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Recording;
@@ -21,25 +25,43 @@ use crate::report::{discovery, json};
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway discover session/fit/*.csv --holdout session/score/*.csv -o improved.toml --report report.html
+  breakaway discover --fleet machines -o found
 
 Without --model the base model is identified first. Without --holdout the last third of every recording is held out.
-JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.")]
+
+--fleet works on many machines side by side: DIR holds one folder per machine with fit/*.csv and score/*.csv (as `breakaway
+run suite` writes them) or *.csv, and base.toml or model.toml if there is a model to start from. The folder of -o gets
+MACHINE/improved.toml, report.html and result.json, and over all of them summary.csv and summary.html. A machine whose
+result is there, from the same files, options and version, is skipped. What goes wrong with one machine is its row.
+
+JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.
+JSON of --fleet: machines (machine, verdict, effects, tied, shrink, noise_factor, noise_floor, base, seconds, skipped,
+reason), done, skipped, failed, summary_csv, summary_html.")]
 pub struct Args {
     /// Recordings of one session, in the order in which they were made
-    #[arg(value_name = "REC", required = true)]
+    #[arg(value_name = "REC", required_unless_present = "fleet", conflicts_with = "fleet")]
     pub recordings: Vec<PathBuf>,
     /// Model so far [default: identified]
     #[arg(long, value_name = "M.toml")]
     pub model: Option<PathBuf>,
     /// Recordings that are only scored
-    #[arg(long, value_name = "REC", num_args = 1..)]
+    #[arg(long, value_name = "REC", num_args = 1.., conflicts_with = "fleet")]
     pub holdout: Vec<PathBuf>,
-    /// Write the improved model to this file
+    /// Write the improved model to this file; with --fleet, the folder for all results
     #[arg(short, long, value_name = "M2.toml")]
     pub output: Option<PathBuf>,
     /// Write the report to this file
-    #[arg(long, value_name = "R.html")]
+    #[arg(long, value_name = "R.html", conflicts_with = "fleet")]
     pub report: Option<PathBuf>,
+    /// Work on all machines of this folder, one folder each
+    #[arg(long, value_name = "DIR", requires = "output")]
+    pub fleet: Option<PathBuf>,
+    /// Machines worked on at a time; they share the cores [default: the number of cores]
+    #[arg(long, value_name = "N", requires = "fleet")]
+    pub workers: Option<NonZeroUsize>,
+    /// Work on every machine, also where its result is there
+    #[arg(long, requires = "fleet")]
+    pub again: bool,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -51,19 +73,20 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; recordings from which nothing can be identified.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
-        let read = |paths: &[PathBuf]| -> anyhow::Result<Vec<Recording>> {
-            Ok(paths.iter().map(|path| self.columns.read(path)).collect::<Result<_, _>>()?)
-        };
-        let model = self.model.as_deref().map(Model::read).transpose()?;
-        let request = Request {
-            recordings: read(&self.recordings)?,
-            holdout: read(&self.holdout)?,
-            model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
-            provenance: provenance(self.recordings.iter().chain(&self.holdout))?,
-        };
+        if let (Some(folder), Some(results)) = (&self.fleet, &self.output) {
+            let fleet = fleet::Fleet {
+                folder,
+                output: results,
+                workers: self.workers.map(NonZeroUsize::get),
+                again: self.again,
+                model: self.model.as_deref(),
+                columns: &self.columns,
+            };
+            return fleet.run(output);
+        }
+        let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
         let spinner = progress::spinner();
-        let found = engine::discover(&request, &|what| spinner.set_message(what.to_owned()))
-            .with_context(|| self.recordings[0].display().to_string())?;
+        let found = find(&self.columns, &inputs, &|what| spinner.set_message(what.to_owned()))?;
         spinner.finish_and_clear();
         if let Some(path) = &self.output {
             improved(&found).write(path)?;
@@ -75,6 +98,25 @@ impl Args {
         }
         output.print(&json::Document::from(&found), |_| told(&found))
     }
+}
+
+/// Reads the inputs and discovers; `progress` is told what is being done.
+///
+/// # Errors
+/// A file that cannot be read; recordings from which nothing can be identified.
+pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
+    let read = |paths: &[PathBuf]| -> anyhow::Result<Vec<Recording>> {
+        Ok(paths.iter().map(|path| columns.read(path)).collect::<Result<_, _>>()?)
+    };
+    let model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let request = Request {
+        recordings: read(&inputs.fit)?,
+        holdout: read(&inputs.score)?,
+        model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
+        provenance: provenance(inputs.fit.iter().chain(&inputs.score))?,
+    };
+    let first = inputs.fit.first().map(|path| path.display().to_string()).unwrap_or_default();
+    engine::discover(&request, progress).context(first)
 }
 
 /// The improved model as a model file has it.
@@ -98,28 +140,6 @@ pub fn improved(found: &Discovery) -> Model {
         .chain(found.provenance.inputs.iter().map(|(file, hash)| format!("from {file} sha256 {hash}")))
         .collect(),
     }
-}
-
-/// SHA-256 of a file, in hex.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn hash(path: &Path) -> anyhow::Result<String> {
-    let mut file = std::fs::File::open(path).with_context(|| path.display().to_string())?;
-    let mut hasher = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let read = std::io::Read::read(&mut file, &mut buffer)?;
-        if read == 0 {
-            break;
-        }
-        hasher.update(&buffer[..read]);
-    }
-    Ok(hasher.finalize().iter().fold(String::new(), |mut hex, byte| {
-        // Writing to a String cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    }))
 }
 
 fn provenance<'a>(files: impl Iterator<Item = &'a PathBuf>) -> anyhow::Result<Provenance> {
