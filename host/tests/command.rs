@@ -153,3 +153,30 @@ fn every_command_has_help_with_an_example() {
         assert!(help.contains(&format!("\n  breakaway {command} ")), "{command}: {help}");
     }
 }
+
+/// The scripts know every command, and the manual has a page for each one and each of theirs.
+#[test]
+fn completions_and_manual_pages_cover_every_command() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = breakaway(&["completions", shell]);
+        let script = text(&script.stdout);
+        for word in ["sinefit", "virtual-board", "holdout", "fleet"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    assert_eq!(breakaway(&["completions", "cmd"]).status.code(), Some(2));
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("man1");
+    let run = breakaway(&["man", "-o", pages.to_str().unwrap()]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    for (page, words) in [
+        ("breakaway", "breakaway\\-sinefit"),
+        ("breakaway-discover", "\\-\\-holdout"),
+        ("breakaway-device-settings-set", ".TH breakaway-device-settings-set 1"),
+    ] {
+        let page = std::fs::read_to_string(pages.join(format!("{page}.1"))).unwrap();
+        assert!(page.contains(words), "{page}");
+    }
+    let one = breakaway(&["man"]);
+    assert_eq!(text(&one.stdout), std::fs::read_to_string(pages.join("breakaway.1")).unwrap());
+}

@@ -3,11 +3,13 @@
 //! A new command is a variant of [`Command`], an arm in [`run`], and its file.
 
 pub mod capture;
+pub mod completions;
 pub mod demo;
 pub mod device;
 pub mod discover;
 pub mod effects;
 pub mod identify;
+pub mod man;
 pub mod monitor;
 pub mod output;
 pub mod port_args;
@@ -68,6 +70,10 @@ pub enum Command {
     Track(track::Args),
     /// Tune a controller from a model: PID gains, compensator, adaptive start values, margins
     Tune(tune::Args),
+    /// Write the completions of a shell
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(man::Args),
 }
 
 /// A combination of arguments that makes no sense: exit code 2, as for those clap refuses itself.
@@ -92,6 +98,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Device(args) => args.run(output),
         Command::Track(args) => args.run(output),
         Command::Tune(args) => args.run(output),
+        Command::Completions(args) => args.run(output),
+        Command::Man(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
