@@ -1,11 +1,37 @@
-//! The examples of docs/formats.md, read by the real readers, so that the page cannot rot.
+//! The pages, so that they cannot rot: the examples of docs/formats.md are read by the real readers, every command line is
+//! parsed by the real definition of the command, and every file it needs comes from somewhere. The lines of the README and
+//! of the tutorial are run in host/tests/walk.rs; those of `cargo xtask` are parsed in xtask.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+#[path = "docs/commands.rs"]
+mod commands;
+#[path = "docs/files.rs"]
+mod files;
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use breakaway::command::Cli;
 use breakaway::model::Model;
 use breakaway::recording::{ReadOptions, Recording};
 use breakaway::simulate::experiment::{Excitation, Experiment};
+use clap::Parser;
+use commands::{Program, lines, pages, root, shown};
+use files::Files;
+
+/// Files that a page takes from its reader, and what it says they are.
+const READERS_OWN: [(&str, &str, &str); 9] = [
+    ("README.md", "rec.csv", "A recording is a CSV file"),
+    ("docs/adding-an-effect.md", "eddy.toml", "`eddy.toml`, on the plant of the papers"),
+    ("docs/case-studies.md", "emps_train.csv", "Both recordings are other people's"),
+    ("docs/case-studies.md", "current-sine-2hz.csv", "Both recordings are other people's"),
+    ("docs/control.md", "model.toml", "from a model to a tracked reference"),
+    ("docs/fleet.md", "machines", "`machines` holds one folder per machine"),
+    ("docs/tutorial.md", "export", "$ mkdir -p export held"),
+    ("docs/tutorial.md", "held", "$ mkdir -p export held"),
+    ("docs/virtual-board.md", "model.toml", "--plant MODEL.toml"),
+];
+/// Effects that a page adds to the catalogue as its example.
+const EXAMPLE_EFFECT: &str = "eddy_brake";
 
 /// The page.
 fn page() -> String {
@@ -111,4 +137,93 @@ fn json_examples_have_the_promised_keys() {
     for key in ["b", "c", "f1", "load", "undetermined", "noise", "estimator"] {
         assert!(identify.get(key).is_some(), "identify: {key}");
     }
+}
+
+/// Every command line of every page: the command and its options exist, its files come from the reader, from the page or
+/// from an earlier line, and the effect it names is in the catalogue.
+#[test]
+fn command_lines_parse_and_their_files_come_from_somewhere() {
+    let mut own: BTreeSet<(&str, &str)> = BTreeSet::new();
+    let mut seen = 0;
+    for (page, text) in pages() {
+        let mut there: Vec<PathBuf> = Vec::new();
+        for (given, file, words) in READERS_OWN.iter().filter(|row| row.0 == page) {
+            assert!(text.contains(words), "{given} no longer says what {file} is: {words}");
+            there.push(file.into());
+        }
+        let shown = shown(&text);
+        for line in lines(&page, &text).iter().filter(|line| line.program == Program::Breakaway) {
+            let place = &line.place;
+            let words = ["breakaway".to_owned()].into_iter().chain(line.words());
+            let cli = Cli::try_parse_from(words).unwrap_or_else(|error| panic!("{place}: {error}"));
+            there.extend(shown.iter().filter(|file| file.0 < line.index).map(|file| PathBuf::from(&file.1)));
+            let files = Files::of(&cli);
+            for read in &files.reads {
+                let found = Files::covers(&there, read) || root().join(read).exists();
+                assert!(found, "{place}: {} comes from nowhere on this page", read.display());
+                own.extend(
+                    READERS_OWN.iter().filter(|row| row.0 == page && read.starts_with(row.1)).map(|r| (r.0, r.1)),
+                );
+            }
+            there.extend(files.writes);
+            if let breakaway::command::Command::Effects(args) = &cli.command
+                && let Some(name) = args.name.as_deref().filter(|name| *name != EXAMPLE_EFFECT)
+            {
+                assert!(breakaway_core::plant::Kind::ALL.iter().any(|kind| kind.name() == name), "{place}: {name}");
+            }
+            seen += 1;
+        }
+    }
+    for (page, file, _) in READERS_OWN {
+        assert!(own.contains(&(page, file)), "{page} no longer reads {file}: take it off the list");
+    }
+    // The README alone has 18.
+    assert!(seen >= 30, "only {seen} command lines were found: is the way they are written still recognised?");
+}
+
+/// Links between the pages lead somewhere.
+#[test]
+fn links_lead_to_files() {
+    let mut seen = 0;
+    for (page, text) in pages() {
+        let folder = root().join(&page).parent().map(Path::to_path_buf).unwrap_or_default();
+        for (number, line) in text.lines().enumerate() {
+            for target in line.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next()) {
+                if target.is_empty() || target.contains("://") {
+                    continue;
+                }
+                assert!(folder.join(target).exists(), "{page}:{}: {target} is not there", number + 1);
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen >= 10, "only {seen} links were found");
+}
+
+/// Tests, examples and benches that the pages name by `--test`, `--example` and `--bench` are there.
+#[test]
+fn named_tests_and_examples_exist() {
+    let folder = |package: &str| match package {
+        "breakaway-core" => "core",
+        "breakaway-firmware" => "firmware",
+        "breakaway-tests" => "tests",
+        "breakaway" => "host",
+        other => panic!("package {other}"),
+    };
+    let mut seen = 0;
+    for (page, text) in pages() {
+        for command in text.split('`').filter(|part| part.contains("cargo ") && part.contains(" -p ")) {
+            let words: Vec<&str> = command.split_whitespace().collect();
+            let after = |flag: &str| words.iter().position(|word| *word == flag).and_then(|at| words.get(at + 1));
+            let package = root().join(folder(after("-p").unwrap()));
+            for (flag, place) in [("--test", "tests"), ("--example", "examples"), ("--bench", "benches")] {
+                let Some(name) = after(flag) else { continue };
+                let file = package.join(place).join(name);
+                let found = file.with_extension("rs").exists() || file.join("main.rs").exists();
+                assert!(found, "{page}: `{command}`: no {name} in {}", package.join(place).display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen >= 8, "only {seen} were found");
 }

@@ -1,10 +1,11 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `fleet-test`.
 
 mod bench;
 mod budget;
 mod check;
 mod cross;
 mod debian;
+mod fleet;
 mod fuzz;
 mod image;
 mod report;
@@ -45,6 +46,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
+    FleetTest,
 }
 
 fn main() -> ExitCode {
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
         Task::Fuzz { seconds } => fuzz::all(seconds),
         Task::Bench => bench::all(),
         Task::Blind { arguments } => bench::blind(&arguments),
+        Task::FleetTest => fleet::test(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -63,5 +67,33 @@ fn main() -> ExitCode {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
         }
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/tests/docs/commands.rs"]
+mod commands;
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::Task;
+    use super::commands::{Program, lines, pages};
+
+    /// Every `cargo xtask` line of the README and the pages; those of `breakaway` are tested in tests/tests/docs.rs.
+    #[test]
+    fn the_pages_lines_parse() {
+        let mut seen = 0;
+        for (page, text) in pages() {
+            for line in lines(&page, &text).iter().filter(|line| line.program == Program::Xtask) {
+                let words = ["xtask".to_owned()].into_iter().chain(line.words());
+                if let Err(error) = Task::try_parse_from(words) {
+                    panic!("{}: {error}", line.place);
+                }
+                seen += 1;
+            }
+        }
+        assert!(seen >= 5, "only {seen} lines were found");
     }
 }
