@@ -29,16 +29,7 @@ where
         Ok(_) => fs::canonicalize(path)?,
         Err(_) => path.to_path_buf(),
     };
-    let beside = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".breakaway-");
-    // The default of 0600 would survive the rename; 0666 less the umask is what any other program would give.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(beside)?;
+    let temporary = beside(&target)?;
     let guard = interrupt::remove_if_interrupted(temporary.path());
     let mut out = BufWriter::with_capacity(1 << 16, temporary);
     content(&mut out)?;
@@ -47,6 +38,58 @@ where
     temporary.persist(target).map_err(|failed| failed.error)?;
     drop(guard);
     Ok(())
+}
+
+/// A new file in the folder of `target`.
+fn beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".breakaway-");
+    // The default of 0600 would survive the rename; 0666 less the umask is what any other program would give.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    // What the system says names the temporary file, which means nothing to the reader.
+    builder.tempfile_in(&folder).map_err(|error| {
+        let name = folder.display();
+        let reason = match fs::metadata(&folder) {
+            Err(missing) if missing.kind() == io::ErrorKind::NotFound => {
+                format!("the folder {name} is not there; make it first")
+            }
+            Ok(found) if !found.is_dir() => format!("{name} is a file, not a folder"),
+            _ => format!("the folder {name} takes no new file: {}", error.kind()),
+        };
+        io::Error::new(error.kind(), reason)
+    })
+}
+
+/// Checks that [`write_whole`] could begin now: for before long work, not after it. Nothing is changed.
+///
+/// # Errors
+/// What `write_whole` would report.
+pub fn can_write(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory, not a file")),
+        Ok(found) if !found.is_file() => OpenOptions::new().write(true).open(path).map(drop),
+        Ok(_) => beside(&fs::canonicalize(path)?).map(drop),
+        Err(_) => beside(path).map(drop),
+    }
+}
+
+/// Makes a folder, and those it is in.
+///
+/// # Errors
+/// What the system says, with the folder's name, and the file that stands in its place if there is one.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path).map_err(|error| {
+        let reason = match path.ancestors().find(|part| part.is_file()) {
+            Some(file) => format!("{} is a file; give another folder", file.display()),
+            None => error.to_string(),
+        };
+        io::Error::new(error.kind(), format!("cannot make the folder {}: {reason}", path.display()))
+    })
 }
 
 #[cfg(test)]
@@ -77,5 +120,28 @@ mod tests {
         let nowhere = folder.path().join("no/such/folder/a.txt");
         assert!(write_whole(&nowhere, |out| out.write_all(b"x")).is_err());
         assert!(write_whole(folder.path(), |out| out.write_all(b"x")).is_err());
+    }
+
+    /// What cannot be written is known before the work, with the same reason, and the check leaves nothing.
+    #[test]
+    fn it_is_known_before_whether_a_file_can_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        can_write(&path).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        fs::write(&path, "old").unwrap();
+        can_write(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        for (wrong, words) in [
+            (folder.path().join("no/a.txt"), "no is not there; make it first"),
+            (path.join("b.txt"), "a.txt is a file, not a folder"),
+            (folder.path().to_path_buf(), "is a directory, not a file"),
+        ] {
+            let before = can_write(&wrong).unwrap_err().to_string();
+            assert!(before.ends_with(words), "{before}");
+            assert_eq!(write_whole(&wrong, |out| out.write_all(b"x")).unwrap_err().to_string(), before);
+        }
+        let inside = make_folder(&path.join("c/d")).unwrap_err().to_string();
+        assert!(inside.ends_with("a.txt is a file; give another folder"), "{inside}");
     }
 }

@@ -9,6 +9,7 @@ pub mod file;
 pub mod fleet;
 pub mod identify;
 pub mod interrupt;
+pub mod mistaken;
 pub mod model;
 pub mod nearest;
 pub mod recording;

@@ -250,7 +250,7 @@ fn files_that_are_missing_or_cannot_be_written_are_errors_and_leave_nothing() {
     fs::write(place.join("m.toml"), "[base]\nb = 1\nc = 1\nf1 = 0.1\n").unwrap();
     fs::write(place.join("far.toml"), "[base]\nb = 1\nc = 1\nf1 = 0.1\n[[effect]]\nname = \"stribek\"\n").unwrap();
     for (arguments, wanted) in [
-        (&["run", "none.toml", "-o", "out"][..], "cannot read the experiment none.toml"),
+        (&["run", "none.toml", "-o", "out"][..], "none.toml: no such file; EXPERIMENT is a TOML file"),
         (&["run", &file, "--model", "none.toml", "-o", "out"], "none.toml: no such file"),
         (
             &["run", &file, "--model", "far.toml", "-o", "out"],

@@ -30,7 +30,7 @@ fn files_that_hold_no_samples() {
     let missing = Recording::read("no/such.csv".as_ref(), &ReadOptions::default());
     assert_snapshot!(missing.unwrap_err(), @"no/such.csv: no such file; check the path");
     let folder = Recording::read(".".as_ref(), &ReadOptions::default());
-    assert_snapshot!(folder.unwrap_err(), @".: cannot be read");
+    assert_snapshot!(folder.unwrap_err(), @". is a folder, not a recording; name the files in it, such as ./*.csv");
 }
 
 #[test]

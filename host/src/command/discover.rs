@@ -13,7 +13,7 @@ use super::progress;
 use super::recording_args::RecordingArgs;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
-use crate::file::write_whole;
+use crate::file::{can_write, write_whole};
 pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
@@ -83,6 +83,9 @@ impl Args {
                 columns: &self.columns,
             };
             return fleet.run(output);
+        }
+        for path in self.output.iter().chain(&self.report) {
+            can_write(path).with_context(|| format!("{}: cannot be written", path.display()))?;
         }
         let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
         let spinner = progress::spinner();

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::Cli;
 use super::output::Output;
-use crate::file::write_whole;
+use crate::file::{make_folder, write_whole};
 
 /// Write the manual page to standard output, or all of them to a folder
 #[derive(clap::Args, Debug)]
@@ -49,7 +49,7 @@ impl Args {
             let document = Document { page: Some(String::from_utf8_lossy(&page).into_owned()), files: None };
             return output.print(&document, |document| document.page.clone().unwrap_or_default());
         };
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        make_folder(&folder)?;
         let mut pages = Vec::new();
         collect(&command, &mut pages);
         let mut files = Vec::new();

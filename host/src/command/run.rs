@@ -1,7 +1,7 @@
 //! `breakaway run`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use breakaway_core::link::{self, BAUD, Limit};
@@ -13,6 +13,7 @@ use super::progress;
 use super::recording_args::positive;
 use crate::device::experiment::{Outcome, Runner};
 use crate::device::text;
+use crate::file::make_folder;
 use crate::identify::relay::{self, Ending};
 use crate::interrupt::finish_first;
 use crate::model::{BaseSe, Model};
@@ -122,7 +123,7 @@ impl Args {
             breakaway = Some(found);
             suite::suite(found, &machine)
         } else {
-            vec![(Role::Fit, Experiment::read(self.experiment.as_ref())?)]
+            vec![(Role::Fit, self.named()?)]
         };
         let bar = progress::bar("experiments", experiments.len() as u64);
         let mut recordings = Vec::new();
@@ -144,6 +145,17 @@ impl Args {
         output.print(&Document { breakaway, recordings, units: model.units }, table)
     }
 
+    /// The experiment of a file.
+    fn named(&self) -> anyhow::Result<Experiment> {
+        let path: &Path = self.experiment.as_ref();
+        anyhow::ensure!(
+            path.exists(),
+            "{}: no such file; EXPERIMENT is a TOML file, or the word `suite` for the standard experiments",
+            path.display()
+        );
+        Ok(Experiment::read(path)?)
+    }
+
     /// The file of a recording, and its role; the folder is made.
     fn place(&self, suite: bool, role: Role, name: &str) -> anyhow::Result<(PathBuf, &'static str)> {
         let (folder, role) = match (suite, role) {
@@ -151,13 +163,13 @@ impl Args {
             (true, Role::Fit) => (self.output.join("fit"), "fit"),
             (true, Role::Score) => (self.output.join("score"), "score"),
         };
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        make_folder(&folder)?;
         Ok((folder.join(format!("{name}.csv")), role))
     }
 
     fn run_on_board(self, port: &str, output: Output) -> anyhow::Result<()> {
         let interrupt = finish_first();
-        let file = (self.experiment != "suite").then(|| Experiment::read(self.experiment.as_ref())).transpose()?;
+        let file = (self.experiment != "suite").then(|| self.named()).transpose()?;
         let mut runner = Runner::connect(port, self.baud)?;
         let units = runner.scale.units.clone();
         let mut breakaway = None;

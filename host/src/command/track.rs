@@ -17,7 +17,7 @@ use super::tune::TuneArgs;
 use crate::control::design::Design;
 use crate::control::reference::Reference;
 use crate::control::tracking::{Bench, Tracked, track};
-use crate::file::write_whole;
+use crate::file::{make_folder, write_whole};
 use crate::model::Model;
 use crate::recording::Units;
 use crate::report::tracking;
@@ -156,11 +156,16 @@ impl Course {
             Some(duration) => duration,
             None => reference.duration_s(tick_s)?,
         };
-        let ticks = (duration / tick_s).round().clamp(8.0, 1e8) as usize;
+        let ticks = (duration / tick_s).round();
+        anyhow::ensure!(
+            ticks <= 1e8,
+            "--duration {duration:?} s is more than 10⁸ ticks of {tick_s:?} s: follow for less"
+        );
+        let ticks = ticks.max(8.0) as usize;
         let points = reference.points::<f32>(tick_s, ticks)?;
         let settle = settle.unwrap_or(0.2 * duration);
         let from = (settle / tick_s).round() as usize;
-        anyhow::ensure!(from < ticks, "--settle {settle} leaves nothing of the {duration} s to count");
+        anyhow::ensure!(from < ticks, "--settle {settle:?} leaves nothing of the {duration:?} s to count");
         Ok(Self { reference, points, settle, from })
     }
 }
@@ -292,7 +297,7 @@ pub fn controllers(
 }
 
 fn write_all(folder: &Path, cases: &[Case], story: &tracking::Story<'_>) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    make_folder(folder)?;
     for case in cases {
         case.tracked.recording.write(&folder.join(format!("{}.csv", case.name)))?;
     }

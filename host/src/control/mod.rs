@@ -29,7 +29,7 @@ pub enum ControlError {
         reason: String,
     },
     /// The file cannot be read.
-    #[error("{file}: cannot be read; check the path")]
+    #[error("{file}: the controller cannot be read; check the path")]
     Read {
         /// The file.
         file: String,
@@ -54,6 +54,10 @@ impl From<TuningError> for ControlError {
             TuningError::Tick => "the tick must be above 0".into(),
             TuningError::Limit => "the drive limit must be above 0".into(),
             TuningError::Gain => "kv and lambda2 must be above 0, lambda1 and filter_s 0 or more".into(),
+            TuningError::Bandwidth { largest_hz } if largest_hz < 1e-4 => {
+                "no bandwidth is possible with this model, tick and delay: check --tick (s) and the model's units"
+                    .into()
+            }
             TuningError::Bandwidth { largest_hz } => format!(
                 "the bandwidth is past what this tick and delay allow; the largest for this model is {largest_hz:.4} Hz"
             ),
@@ -77,7 +81,11 @@ impl From<AdaptiveError> for ControlError {
             AdaptiveError::F { largest } => past("f", largest),
             AdaptiveError::Delta => Self::Tuning("delta must be above 0".into()),
             AdaptiveError::Sigma => {
-                Self::Tuning("sigma must be 0 or more, and sigma times the gain f times the tick at most 1".into())
+                Self::Tuning(
+                    "the adaptive law's sigma must be 0 or more, and sigma times the gain f times the tick at most 1; lower \
+                     --adaptation-rate, or check --encoder-step"
+                        .into(),
+                )
             }
             AdaptiveError::SmallestB => Self::Tuning("b_min must be 0 or more".into()),
             AdaptiveError::Start => Self::Tuning("start values must be 0 or more".into()),

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::hash::hash;
 use super::machine::Inputs;
-use crate::file::write_whole;
+use crate::file::{make_folder, write_whole};
 use crate::model::Model;
 
 /// Key of the result under which stands what it was made of.
@@ -85,8 +85,7 @@ impl Place {
     /// # Errors
     /// A folder or file that cannot be written.
     pub fn keep(&self, found: &Found, made_of: &Value) -> anyhow::Result<Value> {
-        fs::create_dir_all(&self.folder)
-            .with_context(|| format!("cannot make the folder {}", self.folder.display()))?;
+        make_folder(&self.folder)?;
         remove(&self.result())?;
         found.model.write(&self.model())?;
         write(&self.report(), &found.report)?;

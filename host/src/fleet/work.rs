@@ -15,6 +15,7 @@ use super::page;
 use super::result::{Found, Place, made_of, write};
 use super::row::Row;
 use super::table::write_csv;
+use crate::file::make_folder;
 
 /// Reason of a machine whose turn has not come yet; it stands in the table of a run that was cut off.
 pub const NOT_YET: &str = "not worked on yet: the run was cut off; run the same command again";
@@ -46,8 +47,7 @@ impl Job<'_> {
     where
         D: Fn(&Inputs) -> anyhow::Result<Found> + Sync,
     {
-        std::fs::create_dir_all(self.output)
-            .with_context(|| format!("cannot make the folder {}", self.output.display()))?;
+        make_folder(self.output)?;
         let waiting = self.machines.iter().map(|machine| Row::failed(&machine.name, NOT_YET)).collect();
         let rows: Mutex<Vec<Row>> = Mutex::new(waiting);
         // Before hours of work, not after them.

@@ -17,6 +17,14 @@ pub enum ModelError {
         /// The file's name as it was given.
         file: String,
     },
+    /// A file of another kind.
+    #[error("{file} is {found}, not a model (TOML with [base]){}", what_then(found))]
+    OtherFile {
+        /// The file's name as it was given.
+        file: String,
+        /// What it seems to be, with an article.
+        found: &'static str,
+    },
     /// The system could not read the file, or it is not UTF-8.
     #[error("{file}: cannot be read")]
     Read {
@@ -85,6 +93,15 @@ pub enum ModelError {
         /// What it must be.
         expected: Cow<'static, str>,
     },
+}
+
+/// What to do about a file of another kind.
+fn what_then(found: &str) -> &'static str {
+    if found.contains("controller") {
+        "; give the model it was tuned from, or by --controller the controller"
+    } else {
+        "; check the order of the arguments"
+    }
 }
 
 /// The parameter a [`PlantError`] names, and its range.

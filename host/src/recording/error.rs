@@ -31,6 +31,25 @@ pub enum RecordingError {
         /// The file's name as it was given.
         file: String,
     },
+    /// A folder.
+    #[error("{file} is a folder, not a recording; name the files in it, such as {files}")]
+    Folder {
+        /// The folder's name as it was given.
+        file: String,
+        /// The recordings that are or would be in it.
+        files: String,
+    },
+    /// A file of another kind.
+    #[error(
+        "{file} is {found}, not a recording (CSV with a header row); {}",
+        if found.contains("TOML") { "check the order of the arguments: a model is given by --model" } else { "give the log as CSV" }
+    )]
+    OtherFile {
+        /// The file's name as it was given.
+        file: String,
+        /// What it seems to be, with an article.
+        found: &'static str,
+    },
     /// The system could not open or read the file.
     #[error("{file}: cannot be read")]
     Read {
@@ -84,7 +103,7 @@ pub enum RecordingError {
         needed: usize,
     },
     /// A column that is not there.
-    #[error("{file}:{line}: no column `{wanted}`{}; name it with {flag}; columns: {}", did_you_mean(nearest.as_deref()), columns.join(", "))]
+    #[error("{file}:{line}: no column `{wanted}`{}; name it with {flag}; columns: {}{}", did_you_mean(nearest.as_deref()), columns.join(", "), if columns.len() == 1 { "; are they separated by commas, semicolons or tabs?" } else { "" })]
     WrongColumn {
         /// The file's name as it was given.
         file: String,

@@ -120,6 +120,12 @@ impl Table {
 /// [`RecordingError::NotFound`] or [`RecordingError::Read`].
 pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
     let file = path.display().to_string();
+    if path.is_dir() {
+        // The suite's folders.
+        let part = [path.join("fit"), path.to_path_buf()].into_iter().find(|part| part.is_dir());
+        let files = part.unwrap_or_default().join("*.csv").display().to_string();
+        return Err(RecordingError::Folder { file, files });
+    }
     File::open(path).map_err(|source| match source.kind() {
         io::ErrorKind::NotFound => RecordingError::NotFound { file },
         _ => RecordingError::Read { file, source },

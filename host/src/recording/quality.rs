@@ -8,6 +8,8 @@ use super::Recording;
 const SATURATED: f64 = 0.01;
 /// A drive with at most this many values (a relay has two to five) sits at its extremes on purpose.
 const LEVELS: usize = 16;
+/// A number past this is no position and no drive in any unit, and its square may be past what a number can be.
+const LARGE: f64 = 1e100;
 /// Samples in a row at the extreme that count as stuck there; a peak touches it once or twice.
 const STUCK: usize = 3;
 
@@ -26,6 +28,13 @@ pub enum Warning {
     ConstantDrive {
         /// The drive, drive units.
         value: f64,
+    },
+    /// A number that cannot be meant: nothing that is computed from it is.
+    Large {
+        /// The number.
+        value: f64,
+        /// Its time, s.
+        t: f64,
     },
     /// Samples are missing; the recording is used in pieces.
     Gaps {
@@ -52,6 +61,9 @@ impl fmt::Display for Warning {
             Self::ConstantDrive { value } => {
                 write!(out, "the drive is constant ({value}); inertia and friction cannot be told apart by it")
             }
+            Self::Large { value, t } => {
+                write!(out, "{value:e} at t = {t} s is no drive and no position in any unit; repair or remove that row")
+            }
             Self::Gaps { count, longest_s } => {
                 write!(out, "{count} gap(s), the longest {longest_s} s; the recording is used in pieces")
             }
@@ -74,6 +86,10 @@ impl Recording {
             1 => found.extend(self.u.first().map(|&value| Warning::ConstantDrive { value })),
             count if count > LEVELS => found.extend(saturation(&self.u)),
             _ => {}
+        }
+        let mut large = self.t.iter().zip(self.u.iter().zip(&self.x));
+        if let Some((&t, (&u, &x))) = large.find(|(_, (u, x))| u.abs().max(x.abs()) > LARGE) {
+            found.push(Warning::Large { value: if u.abs() > LARGE { u } else { x }, t });
         }
         let timing = self.timing();
         if !self.gaps.is_empty() {

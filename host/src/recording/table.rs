@@ -109,8 +109,14 @@ impl Table {
                 found: field::shown(&names.columns.join(",")),
             });
         }
-        let clock = clock(options, &header, &names)?;
-        let indices = wanted.iter().map(|w| names.index(w.name, w.flag)).collect::<Result<Vec<_>, _>>()?;
+        // A file that is no recording at all has no such column either, and says so better.
+        let other = |error| match crate::mistaken::seems(&first_row) {
+            Some(found) => RecordingError::OtherFile { file: file.to_owned(), found },
+            None => error,
+        };
+        let clock = clock(options, &header, &names).map_err(other)?;
+        let indices =
+            wanted.iter().map(|w| names.index(w.name, w.flag)).collect::<Result<Vec<_>, _>>().map_err(other)?;
         let selection = options
             .select
             .iter()

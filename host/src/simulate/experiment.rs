@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use super::SimulateError;
+use crate::mistaken::seems;
 
 /// One experiment: an excitation, its clock and the sensor it is seen through.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -167,11 +168,19 @@ impl Experiment {
     /// # Errors
     /// What is wrong, with file and line.
     pub fn read(path: &Path) -> Result<Self, SimulateError> {
-        let text = std::fs::read_to_string(path).map_err(|source| SimulateError::Unreadable {
-            file: path.display().to_string(),
-            reason: source.to_string(),
-        })?;
-        Self::parse(&path.display().to_string(), &text)
+        let file = path.display().to_string();
+        let unreadable = |reason: String| SimulateError::Unreadable { file: file.clone(), reason };
+        let content = std::fs::read(path).map_err(|source| unreadable(source.to_string()))?;
+        let other = || seems(&content).filter(|found| !["an experiment (TOML)", "a TOML file"].contains(found));
+        let refused = |error| match other() {
+            Some(found) => SimulateError::Malformed {
+                file: file.clone(),
+                reason: format!("it is {found}; an experiment is a TOML file with [excitation] (docs/formats.md)"),
+            },
+            None => error,
+        };
+        let text = std::str::from_utf8(&content).map_err(|source| refused(unreadable(source.to_string())))?;
+        Self::parse(&file, text).map_err(refused)
     }
 
     /// Reads an experiment from text; `file` is its name in messages.

@@ -26,7 +26,7 @@ pub enum SimulateError {
         reason: String,
     },
     /// A field is out of range.
-    #[error("{field} = {value} is out of range: it must be {need}")]
+    #[error("{field} = {} is out of range: it must be {need}", readable(*value))]
     Range {
         /// Field of the experiment file.
         field: &'static str,
@@ -47,6 +47,16 @@ pub enum SimulateError {
         t: f64,
     },
     /// The axis does not move.
-    #[error("the axis does not break away below the drive limit of {0}: raise the limit, or free the axis")]
+    #[error(
+        "the axis does not break away below the drive limit of {}: raise the limit, or free the axis (it counts as moving \
+         when its reading has changed by ten encoder steps or ten deviations of the noise)",
+        readable(*.0)
+    )]
     NoBreakaway(f64),
+}
+
+/// A number of any size in a message: not three hundred digits of it.
+fn readable(value: f64) -> String {
+    let plain = value == 0.0 || (1e-4..1e9).contains(&value.abs()) || !value.is_finite();
+    if plain { value.to_string() } else { format!("{value:e}") }
 }

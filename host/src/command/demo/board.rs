@@ -21,6 +21,7 @@ use crate::device::experiment::Runner;
 use crate::device::virtual_board::{Machine, Options, VirtualBoard};
 use crate::discover::engine::{Request, discover};
 use crate::discover::outcome::Provenance;
+use crate::file::make_folder;
 use crate::interrupt::{FinishFirst, finish_first};
 use crate::report::text::quantity;
 use crate::report::{discovery, tracking};
@@ -70,7 +71,7 @@ struct Row {
 /// QEMU or the image is missing; whatever board, discovery or files report.
 pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
     let (begin, interrupt, folder) = (Instant::now(), finish_first(), args.output.as_path());
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    make_folder(folder)?;
     let (kind, parameters) = hidden::drawn(args.seed);
     let plant = papers_plant();
     let machine = Machine {
@@ -179,7 +180,7 @@ fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFir
         }
         let recording = outcome.run.recording;
         let part = folder.join(if role == Role::Fit { "fit" } else { "score" });
-        std::fs::create_dir_all(&part).with_context(|| format!("cannot make the folder {}", part.display()))?;
+        make_folder(&part)?;
         let file = part.join(format!("{}.csv", recording.name));
         recording.write(&file)?;
         request.provenance.inputs.push((file.display().to_string(), hash(&file)?));

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use breakaway_core::plant::{Effect, Kind};
 use serde::Serialize;
 
@@ -11,6 +10,7 @@ use crate::command::discover::{hash, improved};
 use crate::command::run::papers_plant;
 use crate::discover::engine::{Request, discover};
 use crate::discover::outcome::{Discovery, Provenance};
+use crate::file::make_folder;
 use crate::report::discovery;
 use crate::simulate::axis::Axis;
 use crate::simulate::suite::{self, Machine, Role};
@@ -74,7 +74,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
     for (role, experiment) in suite::suite(force, &machine) {
         let recording = axis.run(&experiment)?.recording;
         let part = folder.join(if role == Role::Fit { "fit" } else { "score" });
-        std::fs::create_dir_all(&part).with_context(|| format!("cannot make the folder {}", part.display()))?;
+        make_folder(&part)?;
         let file = part.join(format!("{}.csv", recording.name));
         recording.write(&file)?;
         request.provenance.inputs.push((file.display().to_string(), hash(&file)?));

@@ -15,7 +15,7 @@ use super::identify::model;
 use super::output::Output;
 use super::progress;
 use super::run::papers_plant;
-use crate::file::write_whole;
+use crate::file::{make_folder, write_whole};
 use crate::identify::estimate::{self, Identified, Value};
 use crate::identify::shooting::{Candidate, Problem, Segment};
 use crate::identify::track::{Track, session};
@@ -109,7 +109,7 @@ impl Args {
         }
         let start = Instant::now();
         let folder = &self.output;
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        make_folder(folder)?;
         let truth = papers_plant();
         let bar = progress::bar("demo", 4);
         let learnt = learn(truth.base, &truth.units)?;

@@ -9,6 +9,9 @@ pub enum VirtualBoardError {
     /// The image is not where it should be.
     #[error("the firmware image {0} is missing: build it by `cargo xtask image`")]
     NoImage(String),
+    /// The image is a file of another kind.
+    #[error("{0} is not a firmware image (ELF): leave --image out, or name what `cargo xtask image` built")]
+    NotAnImage(String),
     /// QEMU did not come up.
     #[error("QEMU does not start: {0}")]
     NotStarted(String),

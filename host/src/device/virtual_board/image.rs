@@ -1,5 +1,7 @@
 //! Where the firmware's image is.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::VirtualBoardError;
@@ -13,11 +15,19 @@ const VARIABLE: &str = "BREAKAWAY_IMAGE";
 /// program runs.
 ///
 /// # Errors
-/// [`VirtualBoardError::NoImage`].
+/// [`VirtualBoardError::NoImage`], [`VirtualBoardError::NotAnImage`].
 pub fn find(given: Option<&Path>) -> Result<PathBuf, VirtualBoardError> {
     let named = given.map(Path::to_path_buf).or_else(|| std::env::var_os(VARIABLE).map(PathBuf::from));
     if let Some(image) = named {
-        return if image.is_file() { Ok(image) } else { Err(VirtualBoardError::NoImage(image.display().to_string())) };
+        if !image.is_file() {
+            return Err(VirtualBoardError::NoImage(image.display().to_string()));
+        }
+        // QEMU would run whatever it is given, and stop in a dump of registers.
+        let mut magic = [0; 4];
+        return match File::open(&image).and_then(|mut file| file.read_exact(&mut magic)) {
+            Ok(()) if magic == *b"\x7fELF" => Ok(image),
+            _ => Err(VirtualBoardError::NotAnImage(image.display().to_string())),
+        };
     }
     let program = std::env::current_exe().unwrap_or_default();
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
