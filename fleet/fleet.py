@@ -18,7 +18,7 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
+import uuid
 from pathlib import Path
 
 import pyarrow as pa
@@ -61,24 +61,23 @@ def inputs(folder):
     return fit, score, models
 
 
-def made_of(files, version, options):
+def made_of(folder, files, version, options):
     """What decides a result: the content of the files, the program, its options."""
-    digests = {str(path): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    digests = {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
     return {"version": version, "options": options, "inputs": digests}
 
 
 def write_whole(path, data):
     """Beside its place, then renamed: a reader sees the old file or the new one, never a part."""
-    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".fleet-")
+    beside = path.with_name(f".fleet-{uuid.uuid4().hex}")
     try:
-        with os.fdopen(handle, "wb") as out:
+        with open(beside, "xb") as out:
             out.write(data)
             out.flush()
             os.fsync(out.fileno())
         os.replace(beside, path)
-    except BaseException:
-        os.unlink(beside)
-        raise
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def discover(folder, out, breakaway, options):
@@ -88,7 +87,7 @@ def discover(folder, out, breakaway, options):
     try:
         fit, score, models = inputs(folder)
         version = subprocess.run([breakaway, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-        source = made_of(fit + score + models, version, options)
+        source = made_of(folder, fit + score + models, version, options)
         result = place / "result.json"
         kept = read(result)
         if kept is not None and kept.get("fleet") == source:

@@ -29,8 +29,7 @@ where
         Ok(_) => fs::canonicalize(path)?,
         Err(_) => path.to_path_buf(),
     };
-    let temporary = beside(&target)?;
-    let guard = interrupt::remove_if_interrupted(temporary.path());
+    let (temporary, guard) = interrupt::remove_if_interrupted(|| beside(&target))?;
     let mut out = BufWriter::with_capacity(1 << 16, temporary);
     content(&mut out)?;
     let temporary = out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -73,8 +72,8 @@ pub fn can_write(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory, not a file")),
         Ok(found) if !found.is_file() => OpenOptions::new().write(true).open(path).map(drop),
-        Ok(_) => beside(&fs::canonicalize(path)?).map(drop),
-        Err(_) => beside(path).map(drop),
+        Ok(_) => interrupt::remove_if_interrupted(|| beside(&fs::canonicalize(path)?)).map(drop),
+        Err(_) => interrupt::remove_if_interrupted(|| beside(path)).map(drop),
     }
 }
 

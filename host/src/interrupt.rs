@@ -1,6 +1,7 @@
 //! Ctrl-C: files being written are removed before the process ends, and work that has to be finished is finished.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -64,11 +65,19 @@ impl Drop for FinishFirst {
 #[must_use]
 pub struct RemoveIfInterrupted(PathBuf);
 
-/// Puts a file that is only half written on the list of those Ctrl-C removes.
-pub fn remove_if_interrupted(path: &Path) -> RemoveIfInterrupted {
+/// Makes a file and puts it, only half written as it is, on the list of those Ctrl-C removes. Ctrl-C comes before or after
+/// both: never between them, where it would leave the file.
+///
+/// # Errors
+/// Those of `make`.
+pub fn remove_if_interrupted<F: AsRef<Path>>(
+    make: impl FnOnce() -> io::Result<F>,
+) -> io::Result<(F, RemoveIfInterrupted)> {
     let mut files = BEING_WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
-    files.push(path.to_path_buf());
-    RemoveIfInterrupted(path.to_path_buf())
+    let file = make()?;
+    let path = file.as_ref().to_path_buf();
+    files.push(path.clone());
+    Ok((file, RemoveIfInterrupted(path)))
 }
 
 impl Drop for RemoveIfInterrupted {
