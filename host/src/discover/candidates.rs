@@ -255,12 +255,19 @@ fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
 
 /// Over all segments to convergence.
 fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
+    resolved(data, &start.candidate)?;
     let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
-    let plant = Plant { base: fit.candidate.base, effects: &fit.candidate.effects };
+    resolved(data, &fit.candidate)?;
+    Ok(fit)
+}
+
+/// Refuses dynamics so fast that the recordings' samples do not show them: what is simulated there is the solver's.
+fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
+    let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
         return Err("became faster than the recordings resolve".to_owned());
     }
-    Ok(fit)
+    Ok(())
 }
 
 /// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares

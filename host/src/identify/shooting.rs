@@ -209,8 +209,9 @@ impl Problem<'_> {
         match free.len() + candidate.local() {
             0..=2 => self.normal::<2>(candidate, free, segment, initial),
             3..=6 => self.normal::<6>(candidate, free, segment, initial),
-            7..=9 => self.normal::<9>(candidate, free, segment, initial),
-            10..=12 => self.normal::<12>(candidate, free, segment, initial),
+            7..=8 => self.normal::<8>(candidate, free, segment, initial),
+            9..=10 => self.normal::<10>(candidate, free, segment, initial),
+            11..=12 => self.normal::<12>(candidate, free, segment, initial),
             _ => self.normal::<20>(candidate, free, segment, initial),
         }
     }
