@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 mod equations;
+mod mend;
 
 pub use super::candidate::{Candidate, Free};
 use super::dual::Dual;
@@ -254,14 +255,22 @@ impl Problem<'_> {
         if iterations < LEAST_TO_SOFTEN {
             return self.descend(start, free, initial, iterations);
         }
-        let first = self.descend(start, free, initial, 1)?;
+        let mut first = self.descend(start, free, initial, 1)?;
+        self.mend(&first.candidate, &mut first.initial, &first.mse);
         let softening = median(first.mse.clone());
-        if softening < SOFTEN_ABOVE * self.floor() {
-            return self.descend(&first.candidate, free, Some(&first.initial), iterations - 1);
+        let fit = if softening < SOFTEN_ABOVE * self.floor() {
+            self.descend(&first.candidate, free, Some(&first.initial), iterations - 1)?
+        } else {
+            let soft = Problem { softening, ..*self };
+            let filled = soft.descend(&first.candidate, free, Some(&first.initial), iterations / 2)?;
+            self.descend(&filled.candidate, free, Some(&filled.initial), iterations.div_ceil(2))?
+        };
+        let mut states = fit.initial.clone();
+        if !self.mend(&fit.candidate, &mut states, &fit.mse) {
+            return Ok(fit);
         }
-        let soft = Problem { softening, ..*self };
-        let filled = soft.descend(&first.candidate, free, Some(&first.initial), iterations / 2)?;
-        self.descend(&filled.candidate, free, Some(&filled.initial), iterations.div_ceil(2))
+        let again = self.descend(&fit.candidate, free, Some(&states), iterations.div_ceil(2))?;
+        Ok(if again.cost < fit.cost { again } else { fit })
     }
 
     /// Levenberg–Marquardt from a start.

@@ -3,7 +3,7 @@
 use crate::recording::Recording;
 
 /// Half-width of the local cubic, s (discovery.md, method step 1); at least [`MIN_HALF_SAMPLES`] samples.
-const HALF_WIDTH_S: f64 = 0.010;
+pub(super) const HALF_WIDTH_S: f64 = 0.010;
 const MIN_HALF_SAMPLES: usize = 4;
 
 /// A recording with smoothed position, velocity and acceleration. The smoothed ones serve as starting values and for
