@@ -274,7 +274,7 @@ impl<'a> Screen<'a> {
 }
 
 /// Typical travel within a segment.
-fn stroke(data: &Data) -> f64 {
+pub(super) fn stroke(data: &Data) -> f64 {
     let travels = data.fit.iter().map(|s| {
         let x = &data.tracks[s.track].xs[s.start..s.start + s.len];
         x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)

@@ -40,6 +40,9 @@ const JUMP: f64 = 1.3;
 /// follow the fit, so one small step may be a narrow valley's.
 const ENOUGH: f64 = 2e-4;
 
+/// Iterations of a start on its own, the model held.
+pub const SCORE_ITERATIONS: usize = 6;
+
 /// Fits of fewer iterations are not softened; nor those whose median segment is below this multiple of the noise.
 const LEAST_TO_SOFTEN: usize = 5;
 const SOFTEN_ABOVE: f64 = 4.0;
@@ -400,7 +403,7 @@ impl Problem<'_> {
             .par_iter()
             .map(|&segment| {
                 let problem = Problem { segments: std::slice::from_ref(&segment), ..*self };
-                problem.fit(candidate, &[], None, 6).map_or(f64::INFINITY, |fit| fit.mse[0])
+                problem.fit(candidate, &[], None, SCORE_ITERATIONS).map_or(f64::INFINITY, |fit| fit.mse[0])
             })
             .collect()
     }

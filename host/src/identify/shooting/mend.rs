@@ -7,8 +7,11 @@ use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
 use crate::identify::track::{HALF_WIDTH_S, median};
 
-/// A segment is looked at whose mean square is above this multiple of the median segment's, and of the floor.
-const CAUGHT: f64 = 3.0;
+/// A segment is looked at whose mean square is above this multiple of the median segment's, and of the floor: that of 400
+/// samples of noise is within 1 ± 0.25.
+const CAUGHT: f64 = 1.5;
+/// Of fewer segments than these the median says nothing.
+const FEW: usize = 4;
 /// Start velocities tried, in standard deviations of the smoothed velocity about it.
 const VELOCITIES: [f64; 10] = [0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5, -2.5, 2.5, 4.0];
 /// Standard deviation of the slope of a local cubic over `n` points of half-width h, in σ/h: √(75/4n), n = 21.
@@ -21,7 +24,8 @@ const WORTH: f64 = 0.8;
 impl Problem<'_> {
     /// Starts caught segments anew, from velocities all about the smoothed one. Whether any was exchanged.
     pub(super) fn mend(&self, candidate: &Candidate, states: &mut [Start], mse: &[f64]) -> bool {
-        let bound = CAUGHT * median(mse.to_vec()).max(self.floor());
+        let typical = if mse.len() < FEW { 0.0 } else { median(mse.to_vec()) };
+        let bound = CAUGHT * self.floor().max(typical);
         let smoothed = self.smoothed_initial(candidate);
         let mended: Vec<(usize, Start)> = mse
             .par_iter()
