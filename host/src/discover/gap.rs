@@ -100,12 +100,13 @@ pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
     windows
         .map(|(window, start)| {
             let one = data.over(std::slice::from_ref(start));
-            let measured = &data.tracks[window.track].x[window.start..window.start + window.len];
+            let track = &data.tracks[window.track];
             let initial = one
                 .fit(&fit.candidate, &[], None, SCORE_ITERATIONS)
                 .map_or_else(|_| one.smoothed_initial(&fit.candidate)[0], |fitted| fitted.initial[0]);
             let simulated = open.positions(&fit.candidate, *window, initial);
-            (simulated.iter().zip(measured).map(|(s, m)| (s - m).powi(2)).sum(), window.len)
+            let samples = simulated.iter().zip(window.start..);
+            (samples.map(|(x, k)| (track.weight(k) * (x - track.x[k])).powi(2)).sum(), window.len)
         })
         .collect()
 }

@@ -60,20 +60,27 @@ pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) ->
     found
 }
 
-/// Coordinate, force and speed of the coordinate at a part of the windows.
-fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<[f64; 3]> {
+/// Coordinate, force, speed of the coordinate and weight at a part of the windows.
+fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<[f64; 4]> {
     let step = windows.len().div_ceil(MAX_WINDOWS).max(1);
-    windows
-        .iter()
-        .zip(force)
-        .step_by(step)
+    let mut chosen: Vec<usize> = (0..windows.len()).step_by(step).collect();
+    if windows.iter().any(|w| w.scale < 1.0) {
+        // Where the noise grows with speed, what is slow tells more than what is even.
+        let mut heaviest: Vec<usize> = (0..windows.len()).collect();
+        heaviest.sort_by(|a, b| windows[*b].scale.total_cmp(&windows[*a].scale));
+        heaviest.truncate(MAX_WINDOWS);
+        chosen = heaviest;
+    }
+    chosen
+        .into_iter()
+        .map(|i| (&windows[i], &force[i]))
         .map(|(w, force)| {
             let track = &tracks[w.track];
             let (x, v) = (track.xs[w.centre], track.vs[w.centre]);
             match over {
-                Over::Position => [x, *force, v],
-                Over::PositionAndDirection => [x, *force * v.signum(), v],
-                Over::Time => [track.t[w.centre], *force, 1.0],
+                Over::Position => [x, *force, v, w.scale],
+                Over::PositionAndDirection => [x, *force * v.signum(), v, w.scale],
+                Over::Time => [track.t[w.centre], *force, 1.0, w.scale],
             }
         })
         .collect()
@@ -90,7 +97,8 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, force: f64, sine: f64, cosine: f64) {
+    fn add(&mut self, weight: f64, force: f64, sine: f64, cosine: f64) {
+        let (force, sine, cosine) = (weight * force, weight * sine, weight * cosine);
         self.cc += cosine * cosine;
         self.cs += cosine * sine;
         self.ss += sine * sine;
@@ -116,28 +124,28 @@ fn attenuation(n: f64, v: f64, width_s: f64) -> f64 {
 }
 
 /// Reduction of the sum of squares by a sine and cosine at wave number `n`, attenuated by windows of that half-width.
-fn line_power(points: &[[f64; 3]], n: f64, width_s: f64) -> f64 {
+fn line_power(points: &[[f64; 4]], n: f64, width_s: f64) -> f64 {
     let mut sums = Sums::default();
-    for [x, force, v] in points {
+    for [x, force, v, weight] in points {
         let (sine, cosine) = (n * x).sin_cos();
         let left = attenuation(n, *v, width_s);
-        sums.add(*force, left * sine, left * cosine);
+        sums.add(*weight, *force, left * sine, left * cosine);
     }
     sums.power()
 }
 
 /// [`line_power`] at the first `lines` multiples of `spacing`: every point's angle is turned on from line to line.
-fn comb_power(points: &[[f64; 3]], spacing: f64, lines: usize, width_s: f64) -> Vec<f64> {
+fn comb_power(points: &[[f64; 4]], spacing: f64, lines: usize, width_s: f64) -> Vec<f64> {
     let turns: Vec<(f64, f64)> = points.iter().map(|[x, ..]| (spacing * x).sin_cos()).collect();
     let mut angles = vec![(0.0, 1.0); points.len()];
     (1..=lines)
         .map(|i| {
             let n = i as f64 * spacing;
             let mut sums = Sums::default();
-            for (([_, force, v], (sine, cosine)), (ds, dc)) in points.iter().zip(&mut angles).zip(&turns) {
+            for (([_, force, v, weight], (sine, cosine)), (ds, dc)) in points.iter().zip(&mut angles).zip(&turns) {
                 (*sine, *cosine) = (*sine * dc + *cosine * ds, *cosine * dc - *sine * ds);
                 let left = attenuation(n, *v, width_s);
-                sums.add(*force, left * *sine, left * *cosine);
+                sums.add(*weight, *force, left * *sine, left * *cosine);
             }
             sums.power()
         })
@@ -145,7 +153,7 @@ fn comb_power(points: &[[f64; 3]], spacing: f64, lines: usize, width_s: f64) -> 
 }
 
 /// The maximum within a spacing of `n`, by golden section.
-fn polish(points: &[[f64; 3]], n: f64, spacing: f64, width_s: f64) -> f64 {
+fn polish(points: &[[f64; 4]], n: f64, spacing: f64, width_s: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let (mut lo, mut hi) = ((n - spacing).max(0.2 * spacing), n + spacing);
     for _ in 0..12 {
@@ -164,9 +172,9 @@ mod tests {
     fn comb_agrees_with_the_lines() {
         let point = |i: i32| {
             let x = 7.3 * (0.37 * f64::from(i)).sin();
-            [x, (11.0 * x).cos() + 0.1 * f64::from(i % 7), 2.0 * (0.11 * f64::from(i)).cos()]
+            [x, (11.0 * x).cos() + 0.1 * f64::from(i % 7), 2.0 * (0.11 * f64::from(i)).cos(), 1.0 / f64::from(1 + i % 3)]
         };
-        let points: Vec<[f64; 3]> = (0..200).map(point).collect();
+        let points: Vec<[f64; 4]> = (0..200).map(point).collect();
         let comb = comb_power(&points, 0.05, MAX_LINES, 0.02);
         for (i, power) in comb.iter().enumerate().step_by(97) {
             let line = line_power(&points, (i + 1) as f64 * 0.05, 0.02);

@@ -113,19 +113,19 @@ pub enum FitError {
 }
 
 impl Problem<'_> {
-    /// Simulates one segment and hands every sample's residual and sensitivities to `visit`.
+    /// Simulates one segment and hands every sample and its reading to `visit`.
     fn simulate<R: Real>(
         &self,
         plant: &Plant<'_, R>,
         n: usize,
         segment: Segment,
         start: [R; 4],
-        mut visit: impl FnMut(f64, R),
+        mut visit: impl FnMut(usize, R),
     ) {
         let track = &self.tracks[segment.track];
         let mut state = self.initial_state(plant, segment, start);
         for k in segment.start..segment.start + segment.len {
-            visit(track.x[k], plant.measured(state.x));
+            visit(k, plant.measured(state.x));
             let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
             plant.advance(&mut state, drive, n);
         }
@@ -174,6 +174,7 @@ impl Problem<'_> {
         let plant = Plant { base: Base { b: base[0], c: base[1], f1: base[2] }, effects: &effects };
         let n = self.sub_steps(&plant, segment);
         let local = candidate.local();
+        let track = &self.tracks[segment.track];
         let mut hessian = [[0.0; N]; N];
         let mut gradient = [0.0; N];
         let mut square = 0.0;
@@ -183,12 +184,13 @@ impl Problem<'_> {
             n,
             segment,
             std::array::from_fn(|i| if i < local { Dual::parameter(initial[i], p + i) } else { Dual::constant(0.0) }),
-            |measured, simulated| {
-                let residual = measured - simulated.value;
+            |k, simulated| {
+                let weight = track.weight(k);
+                let residual = weight * (track.x[k] - simulated.value);
                 square += residual * residual;
                 lagged += residual * previous;
                 previous = residual;
-                let d = &simulated.gradient;
+                let d = simulated.gradient.map(|slope| weight * slope);
                 for i in 0..N {
                     gradient[i] += d[i] * residual;
                     for j in 0..N {
