@@ -1,81 +1,150 @@
-//! The blind matrix, a line per case and a summary: `cargo xtask blind --sizes 3,10 --seeds 1..5 --effects a,b+c,none`.
+//! The blind matrix, a line per case and the tables: `cargo xtask blind --sizes 3,10 --seeds 1..5 --effects a,b+c,none`.
+//!
+//! With `--csv FILE` cases that the file holds already are not run again; `--table` only draws the tables of the file.
+//! `--pairs N` hides N random pairs instead. `--jobs N` works on N cases at once, each on one core: the seconds are then
+//! those of one core.
 
-use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use breakaway_hidden::{CATALOGUE, Case, Experiment};
-use breakaway_tests::blind::{Scored, run};
+use breakaway_tests::blind::rows::{HEADER, Row};
+use breakaway_tests::blind::{run, table};
 
 fn argument(name: &str) -> Option<String> {
     let all: Vec<String> = std::env::args().collect();
     all.iter().position(|a| a == name).and_then(|i| all.get(i + 1).cloned())
 }
 
-fn main() {
-    let sizes: Vec<f64> =
-        argument("--sizes").unwrap_or("10".into()).split(',').filter_map(|s| s.parse().ok()).collect();
+fn flag(name: &str) -> bool {
+    std::env::args().any(|a| a == name)
+}
+
+/// One case to run.
+struct Asked {
+    experiment: Experiment,
+    hidden: Vec<String>,
+    size: f64,
+    seed: u64,
+}
+
+fn asked() -> Vec<Asked> {
+    let sizes = argument("--sizes").unwrap_or("10".into());
     let seeds = argument("--seeds").unwrap_or("1..3".into());
     let (from, to) = seeds.split_once("..").unwrap_or((&seeds, &seeds));
     let seeds: std::ops::Range<u64> = from.parse().unwrap_or(1)..to.parse().unwrap_or(2);
     let effects = argument("--effects").unwrap_or_else(|| CATALOGUE.join(","));
-    let experiment = argument("--experiment").and_then(|e| Experiment::named(&e)).unwrap_or(Experiment::Suite);
-    let verbose = std::env::args().any(|a| a == "--verbose");
-    let mut table: BTreeMap<String, Vec<Scored>> = BTreeMap::new();
-    for size in &sizes {
-        for name in effects.split(',') {
+    let experiments = argument("--experiment").unwrap_or("suite".into());
+    let pairs: usize = argument("--pairs").and_then(|n| n.parse().ok()).unwrap_or(0);
+    let mut all = Vec::new();
+    for experiment in experiments.split(',').filter_map(Experiment::named) {
+        for size in sizes.split(',').filter_map(|s| s.parse::<f64>().ok()) {
             for seed in seeds.clone() {
-                let hidden: Vec<&str> = if name == "none" { Vec::new() } else { name.split('+').collect() };
-                let Ok(case) = Case::new(seed, &hidden, *size, experiment) else {
-                    eprintln!("no effect is called {name}");
-                    std::process::exit(2);
-                };
-                match run(&case) {
-                    Err(error) => println!("ERR  {name:22} {size:>4} {seed:>4} {error}"),
-                    Ok((scored, found)) => {
-                        let mark = if scored.right() {
-                            "ok"
-                        } else if scored.wrong() {
-                            "WRONG"
-                        } else {
-                            "miss"
-                        };
-                        println!(
-                            "{mark:5}{name:22} {size:>4} {seed:>4} vis {:>7.2} {:18} named {:?} tied {:?} par {} shrink {:.3} noise ×{:.2} {:.2} s",
-                            scored.visibility,
-                            scored.verdict.name(),
-                            scored.named,
-                            scored.tied,
-                            scored.parameter_error.map_or("-".into(), |e| format!("{:.2} %", 100.0 * e)),
-                            scored.shrink,
-                            scored.over_noise,
-                            scored.seconds
-                        );
-                        if verbose {
-                            for c in &found.candidates {
-                                println!(
-                                    "       {:22} Δ {:.4} z {:.1} λ {:.0} {}",
-                                    c.kind.name(),
-                                    c.delta,
-                                    c.z,
-                                    c.lambda,
-                                    c.fate
-                                );
-                            }
-                        }
-                        table.entry(format!("{name} {size}")).or_default().push(scored);
-                    }
+                let drawn: Vec<String> = (0..pairs).map(|i| pair(seed, i)).collect();
+                let named = effects.split(',').map(str::to_owned).filter(|_| pairs == 0);
+                for name in named.chain(drawn) {
+                    let hidden =
+                        if name == "none" { Vec::new() } else { name.split('+').map(str::to_owned).collect() };
+                    all.push(Asked { experiment, hidden, size, seed });
                 }
             }
         }
     }
-    let all: Vec<&Scored> = table.values().flatten().collect();
-    let count = |f: &dyn Fn(&Scored) -> bool| all.iter().filter(|s| f(s)).count();
-    println!(
-        "{} cases: right {}, wrong {}, explained {}; mean {:.2} s, longest {:.2} s",
-        all.len(),
-        count(&Scored::right),
-        count(&Scored::wrong),
-        count(&|s| s.verdict.name() == "explained"),
-        all.iter().map(|s| s.seconds).sum::<f64>() / all.len().max(1) as f64,
-        all.iter().map(|s| s.seconds).fold(0.0, f64::max)
-    );
+    all
+}
+
+/// The `index`-th pair of a seed: a walk through all ordered pairs in steps that have no divisor in common with their number.
+fn pair(seed: u64, index: usize) -> String {
+    let n = CATALOGUE.len();
+    let at = (seed as usize * 101 + index * 29) % (n * n);
+    let (a, b) = (at / n, at % n);
+    let b = if a == b { (b + 7) % n } else { b };
+    format!("{}+{}", CATALOGUE[a.min(b)], CATALOGUE[a.max(b)])
+}
+
+fn one(asked: &Asked, verbose: bool) -> Result<Row, String> {
+    let hidden: Vec<&str> = asked.hidden.iter().map(String::as_str).collect();
+    let case = Case::new(asked.seed, &hidden, asked.size, asked.experiment).map_err(|e| format!("{e:?}"))?;
+    let row = match run(&case) {
+        Ok((scored, found)) => {
+            if verbose {
+                for c in &found.candidates {
+                    println!("       {:22} Δ {:.4} z {:.1} λ {:.0} {}", c.kind.name(), c.delta, c.z, c.lambda, c.fate);
+                }
+                found.remarks.iter().for_each(|r| println!("       {r}"));
+            }
+            Row::new(asked.experiment, asked.size, &scored)
+        }
+        Err(error) => {
+            println!("error {} {} % {}: {error}", asked.hidden.join("+"), asked.size, asked.seed);
+            let hidden: Vec<&'static str> =
+                CATALOGUE.iter().copied().filter(|name| asked.hidden.iter().any(|h| h == name)).collect();
+            Row::error(asked.experiment, &hidden, asked.size, asked.seed)
+        }
+    };
+    let mark = match (row.right(), row.wrong()) {
+        (true, _) => "ok",
+        (_, true) => "WRONG",
+        _ => "miss",
+    };
+    println!("{mark:5} {}", row.line());
+    Ok(row)
+}
+
+fn main() {
+    let file = argument("--csv");
+    let text = file.as_ref().and_then(|f| std::fs::read_to_string(f).ok()).unwrap_or_default();
+    let mut known: Vec<Row> = text.lines().filter_map(Row::parse).collect();
+    if flag("--table") {
+        return println!("{}", table::markdown(&known));
+    }
+    let mut output = file.map(|f| {
+        let mut open = OpenOptions::new().create(true).append(true).open(f).expect("the file of rows cannot be written");
+        if text.is_empty() {
+            let _ = writeln!(open, "{HEADER}");
+        }
+        open
+    });
+    let jobs: usize = argument("--jobs").and_then(|n| n.parse().ok()).unwrap_or(1);
+    let mut todo = asked();
+    todo.retain(|a| {
+        !known.iter().any(|row| {
+            row.seed == a.seed
+                && row.hidden.join("+") == a.hidden.join("+")
+                && row.experiment == a.experiment.name()
+                && row.size_percent.to_bits() == a.size.to_bits()
+        })
+    });
+    let next = AtomicUsize::new(0);
+    let rows: Mutex<Vec<Row>> = Mutex::new(Vec::new());
+    let sink = Mutex::new(&mut output);
+    let work = &|| {
+        while let Some(asked) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
+            match one(asked, flag("--verbose")) {
+                Ok(row) => {
+                    if let Some(file) = sink.lock().expect("no other writer ended badly").as_mut() {
+                        let _ = writeln!(file, "{}", row.line());
+                    }
+                    rows.lock().expect("no other worker ended badly").push(row);
+                }
+                Err(error) => eprintln!("{}: {error}", asked.hidden.join("+")),
+            }
+        }
+    };
+    if jobs > 1 {
+        std::thread::scope(|scope| {
+            for _ in 0..jobs {
+                scope.spawn(|| match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                    Ok(pool) => pool.install(work),
+                    Err(error) => eprintln!("no thread: {error}"),
+                });
+            }
+        });
+    } else {
+        work();
+    }
+    known.extend(rows.into_inner().unwrap_or_default());
+    println!("{}", table::markdown(&known));
 }

@@ -3,13 +3,13 @@
 //! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
 //! convergence, with a search along parameters that gradients do not find.
 
-use breakaway_core::plant::effect::Search;
+use breakaway_core::plant::effect::{Scale, Search};
 use breakaway_core::plant::{Base, Effect, Kind, MAX_SUB_STEPS, Plant};
 use rayon::prelude::*;
 
 use super::data::Data;
 use super::decide::NAMING;
-use super::screen::{Screen, Start};
+use super::screen::{Screen, Start, stroke};
 use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem, Segment};
 use crate::identify::track::median;
 
@@ -19,6 +19,8 @@ const HEAT_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
 /// Floor of the base model's fit, as a multiple of the mean square that it leaves.
 const BASE_FLOOR: f64 = 10.0;
+/// Mean square of the median segment over the noise's from which a named effect is fitted like that.
+const MISSES_MUCH: f64 = 4.0;
 /// One in so many segments is in the first heat; iterations there, in the final, and of a fit that is to converge.
 const FIRST_SHARE: usize = 3;
 const FIRST_ITERATIONS: usize = 5;
@@ -45,6 +47,8 @@ const BLIND_STARTS: usize = 24;
 const TRIAL_SEGMENTS: usize = 14;
 const TRIAL_ITERATIONS: usize = 2;
 const TRIAL_KEPT: usize = 3;
+/// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
+const SLOW_SHARE: usize = 3;
 /// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
 /// forces, or as a ratio.
 const SEED_AMPLITUDE: f64 = 0.1;
@@ -196,12 +200,13 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
 
 /// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
 /// smoothing of the motion, thresholds), all over the grid.
-fn chosen(kind: Kind, starts: Vec<Start>) -> Vec<Start> {
+fn chosen(kind: Kind, starts: Vec<Start>, share: usize) -> Vec<Start> {
     let most = match (blind(kind), kind.definition().periodic()) {
         (true, _) => BLIND_STARTS,
         (_, true) => PERIODIC_STARTS,
         _ => STARTS,
     };
+    let most = most.div_ceil(share);
     let step = if blind(kind) { starts.len().div_ceil(most).max(1) } else { 1 };
     starts.into_iter().step_by(step).take(most).collect()
 }
@@ -214,7 +219,9 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     let mut reason = "the weak form gives no starting value".to_owned();
     let mut tries: Vec<Fit> = Vec::new();
     let trial = heat.data.over(&heat.trial);
-    for start in chosen(kind, screen.starts(kind)) {
+    let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
+    let share = if slow { SLOW_SHARE } else { 1 };
+    for start in chosen(kind, screen.starts(kind), share) {
         for candidate in variants(&start.candidate, &heat.current.candidate.base) {
             match trial.fit(&candidate, &Free::all(&candidate.effects), Some(&heat.trial_initial), TRIAL_ITERATIONS) {
                 Ok(fit) => tries.push(fit),
@@ -226,7 +233,7 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     let problem = heat.data.over(&heat.segments);
     tries
         .into_iter()
-        .take(TRIAL_KEPT)
+        .take(TRIAL_KEPT.div_ceil(share))
         .filter_map(|fit| problem.fit(&fit.candidate, &fit.free, Some(&heat.current.initial), FIRST_ITERATIONS).ok())
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
         .ok_or(reason)
@@ -255,12 +262,31 @@ fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
 
 /// Over all segments to convergence.
 fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
+    resolved(data, &start.candidate)?;
     let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
-    let plant = Plant { base: fit.candidate.base, effects: &fit.candidate.effects };
+    resolved(data, &fit.candidate)?;
+    Ok(fit)
+}
+
+/// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's, and bristles so long
+/// that they never let go, which are a spring whose rest every segment chooses for itself.
+fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
+    let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
         return Err("became faster than the recordings resolve".to_owned());
     }
-    Ok(fit)
+    let softest = candidate.base.f1 / stroke(data);
+    let soft = |effect: &Effect<f64>| {
+        let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
+        effect.kind.bristles()
+            && parameters.into_iter().any(|(parameter, value)| {
+                matches!(parameter.search, Search::Grid(Scale::Presliding, _)) && *value < softest
+            })
+    };
+    if candidate.effects.iter().any(soft) {
+        return Err("its bristles became longer than the motion".to_owned());
+    }
+    Ok(())
 }
 
 /// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares
@@ -271,8 +297,27 @@ fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
 pub fn fit_softly(data: &Data, start: &Candidate, iterations: usize) -> Result<Fit, FitError> {
     let free = Free::all(&start.effects);
     let fit = data.problem().fit(start, &free, None, iterations)?;
+    levelled(data, start, &free, &fit, iterations, None)
+}
+
+/// A named effect's fit as the base model's is made, where it leaves far more than the noise too.
+pub fn settled(data: &Data, fit: Fit) -> Fit {
+    if median(fit.mse.clone()) < MISSES_MUCH * data.sigma * data.sigma {
+        return fit;
+    }
+    levelled(data, &fit.candidate, &fit.free, &fit, LAST_ITERATIONS, Some(&fit.initial)).unwrap_or(fit)
+}
+
+fn levelled(
+    data: &Data,
+    start: &Candidate,
+    free: &[Free],
+    fit: &Fit,
+    iterations: usize,
+    initial: Option<&[shooting::Start]>,
+) -> Result<Fit, FitError> {
     let softened = data.softened(BASE_FLOOR * fit.mse.iter().sum::<f64>() / fit.mse.len() as f64);
-    softened.problem().fit(start, &free, None, iterations)
+    softened.problem().fit(start, free, initial, iterations)
 }
 
 /// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is

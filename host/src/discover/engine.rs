@@ -113,7 +113,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let order = preference(&judged, &without, &tried, named.is_empty());
         let accepted = order.iter().copied().find_map(|index| {
-            let fit = candidates::converged(&judged, tried[index].fit.as_ref().ok()?);
+            let fit = candidates::settled(&data, candidates::converged(&judged, tried[index].fit.as_ref().ok()?));
             let after = Gap::of(&data, &fit);
             let Some(reason) = gap.refuses(&after) else { return Some((index, fit, after)) };
             remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));

@@ -1,7 +1,9 @@
 //! How far a model is from the data that it was not fitted to, and whether an effect holds there.
 
-use super::data::Data;
-use crate::identify::shooting::Fit;
+use rayon::prelude::*;
+
+use super::data::{Data, FIT_SEGMENT_S};
+use crate::identify::shooting::{Fit, SCORE_ITERATIONS, Segment};
 
 /// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
 const GAP_NOISE: f64 = 0.06;
@@ -29,7 +31,7 @@ pub(super) struct Gap {
     median: f64,
     /// Share of segments above twice the noise's mean square.
     above: f64,
-    /// Mean square error of the open-loop windows, simulated from the smoothed motion at their start.
+    /// Mean square error of the open-loop windows.
     open_loop: f64,
 }
 
@@ -89,17 +91,30 @@ impl Gap {
     }
 }
 
-/// Sum of squares and samples of every open-loop window, simulated from the smoothed motion at its start.
+/// Sum of squares and samples of every open-loop window: its start is fitted to its first [`FIT_SEGMENT_S`] seconds, and what
+/// is simulated from there on sees the measurement no more.
 pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
+    let starts: Vec<Segment> = data.open_loop.iter().map(|window| beginning(data, *window)).collect();
     let open = data.over(&data.open_loop);
-    let windows = data.open_loop.iter().zip(open.smoothed_initial(&fit.candidate));
+    let windows = data.open_loop.par_iter().zip(&starts).with_max_len(1);
     windows
-        .map(|(segment, initial)| {
-            let measured = &data.tracks[segment.track].x[segment.start..segment.start + segment.len];
-            let simulated = open.positions(&fit.candidate, *segment, initial);
-            (simulated.iter().zip(measured).map(|(s, m)| (s - m).powi(2)).sum(), segment.len)
+        .map(|(window, start)| {
+            let one = data.over(std::slice::from_ref(start));
+            let track = &data.tracks[window.track];
+            let initial = one
+                .fit(&fit.candidate, &[], None, SCORE_ITERATIONS)
+                .map_or_else(|_| one.smoothed_initial(&fit.candidate)[0], |fitted| fitted.initial[0]);
+            let simulated = open.positions(&fit.candidate, *window, initial);
+            let samples = simulated.iter().zip(window.start..);
+            (samples.map(|(x, k)| (track.weight(k) * (x - track.x[k])).powi(2)).sum(), window.len)
         })
         .collect()
+}
+
+/// The part of a window to which its start is fitted.
+fn beginning(data: &Data, window: Segment) -> Segment {
+    let len = (FIT_SEGMENT_S / data.tracks[window.track].ts).round() as usize;
+    Segment { len: len.clamp(2, window.len), ..window }
 }
 
 pub(super) fn root_mean(mse: &[f64]) -> f64 {

@@ -79,10 +79,10 @@ impl<'a> Screen<'a> {
         for effect in &current.effects {
             target += screen.effect_column(current.base, effect);
         }
-        let fit = weak::solve(&screen.columns, &target)?;
+        let (_, residual) = weak::least_squares(&screen.columns, &target)?;
         screen.target = target;
-        screen.square = fit.residual.norm_squared();
-        screen.residual = fit.residual;
+        screen.square = residual.norm_squared();
+        screen.residual = residual;
         Some(screen)
     }
 
@@ -184,16 +184,16 @@ impl<'a> Screen<'a> {
         }
         let p = 3 + columns.len();
         let matrix = DMatrix::from_fn(n, p, |i, j| if j < 3 { self.columns[(i, j)] } else { -columns[j - 3][i] });
-        let fit = weak::solve(&matrix, &target)?;
+        let (coefficients, residual) = weak::least_squares(&matrix, &target)?;
         let mut at = 3;
         for (i, phase) in &amplitudes {
             if let Some(j) = phase {
-                let (sine, cosine) = (fit.coefficients[at], fit.coefficients[at + 1]);
+                let (sine, cosine) = (coefficients[at], coefficients[at + 1]);
                 effect.p[*i] = sine.hypot(cosine);
                 effect.p[*j] = cosine.atan2(sine);
                 at += 2;
             } else {
-                effect.p[*i] = fit.coefficients[at];
+                effect.p[*i] = coefficients[at];
                 at += 1;
             }
         }
@@ -203,13 +203,13 @@ impl<'a> Screen<'a> {
         let mut effects = self.current.effects.clone();
         effects.push(effect);
         let fitted = Base {
-            b: fit.coefficients[0],
-            c: fit.coefficients[1].max(0.0),
-            f1: fit.coefficients[2].max(1e-3 * base.f1),
+            b: coefficients[0],
+            c: coefficients[1].max(0.0),
+            f1: coefficients[2].max(1e-3 * base.f1),
         };
         // The weak form's base is a starting value only where it is a plant at all.
         let base = if fitted.b > 0.2 * base.b && fitted.b < 5.0 * base.b { fitted } else { base };
-        Some(Start { candidate: Candidate { base, effects }, ratio: fit.residual.norm_squared() / self.square })
+        Some(Start { candidate: Candidate { base, effects }, ratio: residual.norm_squared() / self.square })
     }
 
     /// The product of the grids of an effect; `None` in a place means that least squares or a default gives it.
@@ -274,7 +274,7 @@ impl<'a> Screen<'a> {
 }
 
 /// Typical travel within a segment.
-fn stroke(data: &Data) -> f64 {
+pub(super) fn stroke(data: &Data) -> f64 {
     let travels = data.fit.iter().map(|s| {
         let x = &data.tracks[s.track].xs[s.start..s.start + s.len];
         x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)

@@ -177,6 +177,6 @@ fn curve(values: &[f64], force: &[f64], bins: usize) -> Vec<[f64; 3]> {
 
 /// Share of the residual force in its strongest line over session time.
 fn periodic_share(data: &Data, screen: &Screen<'_>, force: &[f64]) -> f64 {
-    let total: f64 = force.iter().map(|f| f * f).sum();
+    let total: f64 = force.iter().zip(screen.windows()).map(|(f, w)| (w.scale * f).powi(2)).sum();
     spectrum::strongest_share(&data.tracks, screen.windows(), force, Over::Time, total)
 }

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 mod equations;
+mod mend;
 
 pub use super::candidate::{Candidate, Free};
 use super::dual::Dual;
@@ -38,6 +39,9 @@ const JUMP: f64 = 1.3;
 /// Two steps in a row that gain less than this share of what all steps gained end the fit: the weights of the segments
 /// follow the fit, so one small step may be a narrow valley's.
 const ENOUGH: f64 = 2e-4;
+
+/// Iterations of a start on its own, the model held.
+pub const SCORE_ITERATIONS: usize = 6;
 
 /// Fits of fewer iterations are not softened; nor those whose median segment is below this multiple of the noise.
 const LEAST_TO_SOFTEN: usize = 5;
@@ -109,19 +113,19 @@ pub enum FitError {
 }
 
 impl Problem<'_> {
-    /// Simulates one segment and hands every sample's residual and sensitivities to `visit`.
+    /// Simulates one segment and hands every sample and its reading to `visit`.
     fn simulate<R: Real>(
         &self,
         plant: &Plant<'_, R>,
         n: usize,
         segment: Segment,
         start: [R; 4],
-        mut visit: impl FnMut(f64, R),
+        mut visit: impl FnMut(usize, R),
     ) {
         let track = &self.tracks[segment.track];
         let mut state = self.initial_state(plant, segment, start);
         for k in segment.start..segment.start + segment.len {
-            visit(track.x[k], plant.measured(state.x));
+            visit(k, plant.measured(state.x));
             let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
             plant.advance(&mut state, drive, n);
         }
@@ -170,6 +174,7 @@ impl Problem<'_> {
         let plant = Plant { base: Base { b: base[0], c: base[1], f1: base[2] }, effects: &effects };
         let n = self.sub_steps(&plant, segment);
         let local = candidate.local();
+        let track = &self.tracks[segment.track];
         let mut hessian = [[0.0; N]; N];
         let mut gradient = [0.0; N];
         let mut square = 0.0;
@@ -179,12 +184,13 @@ impl Problem<'_> {
             n,
             segment,
             std::array::from_fn(|i| if i < local { Dual::parameter(initial[i], p + i) } else { Dual::constant(0.0) }),
-            |measured, simulated| {
-                let residual = measured - simulated.value;
+            |k, simulated| {
+                let weight = track.weight(k);
+                let residual = weight * (track.x[k] - simulated.value);
                 square += residual * residual;
                 lagged += residual * previous;
                 previous = residual;
-                let d = &simulated.gradient;
+                let d = simulated.gradient.map(|slope| weight * slope);
                 for i in 0..N {
                     gradient[i] += d[i] * residual;
                     for j in 0..N {
@@ -209,8 +215,9 @@ impl Problem<'_> {
         match free.len() + candidate.local() {
             0..=2 => self.normal::<2>(candidate, free, segment, initial),
             3..=6 => self.normal::<6>(candidate, free, segment, initial),
-            7..=9 => self.normal::<9>(candidate, free, segment, initial),
-            10..=12 => self.normal::<12>(candidate, free, segment, initial),
+            7..=8 => self.normal::<8>(candidate, free, segment, initial),
+            9..=10 => self.normal::<10>(candidate, free, segment, initial),
+            11..=12 => self.normal::<12>(candidate, free, segment, initial),
             _ => self.normal::<20>(candidate, free, segment, initial),
         }
     }
@@ -253,14 +260,22 @@ impl Problem<'_> {
         if iterations < LEAST_TO_SOFTEN {
             return self.descend(start, free, initial, iterations);
         }
-        let first = self.descend(start, free, initial, 1)?;
+        let mut first = self.descend(start, free, initial, 1)?;
+        self.mend(&first.candidate, &mut first.initial, &first.mse);
         let softening = median(first.mse.clone());
-        if softening < SOFTEN_ABOVE * self.floor() {
-            return self.descend(&first.candidate, free, Some(&first.initial), iterations - 1);
+        let fit = if softening < SOFTEN_ABOVE * self.floor() {
+            self.descend(&first.candidate, free, Some(&first.initial), iterations - 1)?
+        } else {
+            let soft = Problem { softening, ..*self };
+            let filled = soft.descend(&first.candidate, free, Some(&first.initial), iterations / 2)?;
+            self.descend(&filled.candidate, free, Some(&filled.initial), iterations.div_ceil(2))?
+        };
+        let mut states = fit.initial.clone();
+        if !self.mend(&fit.candidate, &mut states, &fit.mse) {
+            return Ok(fit);
         }
-        let soft = Problem { softening, ..*self };
-        let filled = soft.descend(&first.candidate, free, Some(&first.initial), iterations / 2)?;
-        self.descend(&filled.candidate, free, Some(&filled.initial), iterations.div_ceil(2))
+        let again = self.descend(&fit.candidate, free, Some(&states), iterations.div_ceil(2))?;
+        Ok(if again.cost < fit.cost { again } else { fit })
     }
 
     /// Levenberg–Marquardt from a start.
@@ -390,7 +405,7 @@ impl Problem<'_> {
             .par_iter()
             .map(|&segment| {
                 let problem = Problem { segments: std::slice::from_ref(&segment), ..*self };
-                problem.fit(candidate, &[], None, 6).map_or(f64::INFINITY, |fit| fit.mse[0])
+                problem.fit(candidate, &[], None, SCORE_ITERATIONS).map_or(f64::INFINITY, |fit| fit.mse[0])
             })
             .collect()
     }

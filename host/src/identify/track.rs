@@ -3,8 +3,14 @@
 use crate::recording::Recording;
 
 /// Half-width of the local cubic, s (discovery.md, method step 1); at least [`MIN_HALF_SAMPLES`] samples.
-const HALF_WIDTH_S: f64 = 0.010;
+pub(super) const HALF_WIDTH_S: f64 = 0.010;
 const MIN_HALF_SAMPLES: usize = 4;
+
+/// A clock is not believed of which an interval is off the median one by more than this share: then others may be by less
+/// than its stamps tell.
+const IRREGULAR: f64 = 0.3;
+/// Classes of speed in which a jittered clock's noise is looked at.
+const SPEED_CLASSES: usize = 24;
 
 /// A recording with smoothed position, velocity and acceleration. The smoothed ones serve as starting values and for
 /// the screen; fits use the measured position.
@@ -28,8 +34,11 @@ pub struct Track {
     pub ts: f64,
     /// First index of every piece without gaps; ends with the number of samples.
     pub pieces: Vec<usize>,
-    /// Standard deviation of the position's noise, quantisation included.
+    /// Standard deviation of the position's noise, quantisation included; with a jittered clock, at rest.
     pub sigma: f64,
+    /// Standard deviation of the instants of sampling about the clock's, s, as far as the position shows it; 0 with a
+    /// regular clock.
+    pub jitter_s: f64,
 }
 
 /// Standard deviation of the position's noise from the residuals of the local cubic: the median over blocks in motion of
@@ -48,6 +57,28 @@ fn noise(residuals: &[f64], velocity: &[f64], half: usize) -> f64 {
         .collect();
     let squares = if moving.len() >= 8 { moving } else { vec![mean_square(residuals)] };
     (median(squares) / (1.0 - leverage)).sqrt()
+}
+
+/// Noise at rest and jitter of the clock from the residuals of the local cubic, as σ² + (jitter·v)² over classes of speed;
+/// `None` where the residuals do not grow with speed.
+fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)> {
+    let leverage = (2.25 / (2 * half + 1) as f64).min(0.9);
+    let mut order: Vec<usize> = (0..residuals.len()).collect();
+    order.sort_by(|a, b| velocity[*a].abs().total_cmp(&velocity[*b].abs()));
+    // (mean square speed, variance) of every class; the median, so that reversals do not count.
+    let classes: Vec<(f64, f64)> = order
+        .chunks(residuals.len().div_ceil(SPEED_CLASSES).max(8))
+        .map(|class| {
+            let speed = class.iter().map(|k| velocity[*k].powi(2)).sum::<f64>() / class.len() as f64;
+            let deviation = median(class.iter().map(|k| residuals[*k].abs()).collect()) / 0.6745;
+            (speed, deviation * deviation / (1.0 - leverage))
+        })
+        .collect();
+    let fast = &classes[classes.len() / 2..];
+    let square = median(fast.iter().filter(|c| c.0 > 0.0).map(|(speed, variance)| variance / speed).collect());
+    let rest = classes.iter().map(|(speed, variance)| (variance - square * speed).max(0.1 * variance)).fold(f64::INFINITY, f64::min);
+    let fastest = classes.last()?.0;
+    (rest > 0.0 && square * fastest > rest).then(|| (rest.sqrt(), square.sqrt()))
 }
 
 /// Median of a set of numbers; 0 if there are none.
@@ -82,14 +113,26 @@ impl Track {
             ts,
             pieces,
             sigma: 0.0,
+            jitter_s: 0.0,
         };
         let half = ((HALF_WIDTH_S / ts).round() as usize).max(MIN_HALF_SAMPLES);
         let mut residuals = vec![0.0; n];
         for piece in track.pieces.clone().windows(2) {
             track.smooth(piece[0], piece[1], half, &mut residuals);
         }
-        track.sigma = noise(&residuals, &track.vs, half).max(recording.encoder_step.unwrap_or(0.0) * 0.05);
+        let least = recording.encoder_step.unwrap_or(0.0) * 0.05;
+        track.sigma = noise(&residuals, &track.vs, half).max(least);
+        let regular = intervals.iter().all(|dt| (dt / ts - 1.0).abs() < IRREGULAR);
+        if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten() {
+            track.sigma = sigma.max(least);
+            track.jitter_s = jitter_s;
+        }
         track
+    }
+
+    /// Noise at rest over the noise at sample `k`, at most 1: at speed v a jittered clock adds jitter·v to the position's.
+    pub fn weight(&self, k: usize) -> f64 {
+        if self.jitter_s > 0.0 { self.sigma / self.sigma.hypot(self.jitter_s * self.vs[k]) } else { 1.0 }
     }
 
     /// Local cubic least squares around every sample of `from..to`.

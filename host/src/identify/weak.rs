@@ -42,6 +42,8 @@ pub struct Window {
     pub drive: f64,
     /// Weight of every sample interval: ∫φ over it.
     pub weights: Vec<f64>,
+    /// What all sides of the equation are multiplied by: noise at rest over noise at the window's speed.
+    pub scale: f64,
     kernels: Arc<Kernels>,
     width: f64,
 }
@@ -153,7 +155,8 @@ fn window(
     kernels: &Arc<Kernels>,
 ) -> Window {
     let upto = |s: f64| antiderivative(s.clamp(-1.0, 1.0));
-    let weights: Vec<f64> = s.windows(2).map(|w| width * (upto(w[1]) - upto(w[0]))).collect();
+    let scale = track.weight(centre);
+    let weights: Vec<f64> = s.windows(2).map(|w| scale * width * (upto(w[1]) - upto(w[0]))).collect();
     let (mut direction, mut drive, mut unit) = (0.0, 0.0, 0.0);
     for (i, w) in weights.iter().enumerate() {
         let k = first + i;
@@ -171,6 +174,7 @@ fn window(
         unit,
         drive,
         weights,
+        scale,
         kernels: Arc::clone(kernels),
         width,
     };
@@ -211,7 +215,7 @@ impl Window {
             first -= w1 * value;
             second += w2 * value;
         }
-        (second / self.width, first)
+        (self.scale * second / self.width, self.scale * first)
     }
 
     /// ∫φ·g for a quantity that is constant from sample to sample.
@@ -245,6 +249,21 @@ pub struct WeakFit {
     pub condition: f64,
     /// Lag-1 autocorrelation of the residual, from windows that do not overlap.
     pub lag_one: f64,
+}
+
+/// Coefficients and residual of `columns · coefficients = target`; `None` if the columns are not independent.
+pub fn least_squares(columns: &DMatrix<f64>, target: &DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
+    let norms: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
+    if columns.nrows() < columns.ncols() + 4 || norms.iter().any(|norm| !(*norm > 0.0 && norm.is_finite())) {
+        return None;
+    }
+    let gram = columns.tr_mul(columns);
+    let scaled = DMatrix::from_fn(norms.len(), norms.len(), |i, j| gram[(i, j)] / (norms[i] * norms[j]));
+    let right = columns.tr_mul(target);
+    let solution = scaled.cholesky()?.solve(&DVector::from_fn(norms.len(), |i, _| right[i] / norms[i]));
+    let coefficients = DVector::from_fn(norms.len(), |i, _| solution[i] / norms[i]);
+    let residual = target - columns * &coefficients;
+    Some((coefficients, residual))
 }
 
 /// Solves `columns · coefficients = target`; `None` if the columns are not independent.

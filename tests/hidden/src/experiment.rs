@@ -32,6 +32,17 @@ impl Experiment {
             _ => return None,
         })
     }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Suite => "suite",
+            Self::Relay => "relay",
+            Self::Multisine => "multisine",
+            Self::Track => "track",
+            Self::SlowSine => "slow_sine",
+        }
+    }
 }
 
 /// Whether a recording is to be fitted or is held out to score.

@@ -1,5 +1,8 @@
 //! Blind discovery: a hidden case, discovered without its truth, then scored against it.
 
+pub mod rows;
+pub mod table;
+
 use breakaway::discover::engine::{Request, discover};
 use breakaway::discover::outcome::{Discovery, Verdict};
 use breakaway::recording::{Recording, Units};
@@ -24,6 +27,8 @@ pub struct Scored {
     pub shrink: f64,
     /// Held-out error of the final model over the noise floor.
     pub over_noise: f64,
+    /// The same over the error that the truth itself has against the held-out measurement.
+    pub over_truth: f64,
     /// Visibility of the effect (see the hidden plant).
     pub visibility: f64,
     /// Seconds taken.
@@ -60,10 +65,11 @@ pub fn run(case: &Case) -> Result<(Scored, Discovery), String> {
         ..Request::default()
     };
     let found = discover(&request, &|_| ()).map_err(|error| error.to_string())?;
-    Ok((score(&truth, &found), found))
+    let own = truth.own_error(&session, Role::Score);
+    Ok((score(&truth, own, &found), found))
 }
 
-fn score(truth: &Truth, found: &Discovery) -> Scored {
+fn score(truth: &Truth, own_error: f64, found: &Discovery) -> Scored {
     let hidden: Vec<&'static str> =
         truth.effects.iter().filter(|e| !matches!(e.hidden, Hidden::None)).map(|e| e.hidden.name()).collect();
     let named: Vec<&'static str> = found.effects.iter().map(|e| e.kind.name()).collect();
@@ -78,6 +84,7 @@ fn score(truth: &Truth, found: &Discovery) -> Scored {
         tied,
         shrink: last.holdout_rmse / first.holdout_rmse,
         over_noise: last.holdout_rmse / found.noise_floor,
+        over_truth: last.holdout_rmse / own_error,
         visibility: truth.visibility,
         seconds: found.seconds,
     }
