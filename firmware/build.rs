@@ -7,7 +7,7 @@ fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let bare = std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none");
     if bare && std::env::var_os("CARGO_FEATURE_BOARD_MPS2_AN386").is_some() {
-        for bin in ["mps2-an386", "budget"] {
+        for bin in ["mps2-an386", "budget", "peers"] {
             println!("cargo:rustc-link-arg-bin={bin}=-T{folder}/src/board/mps2_an386/link.x");
         }
         println!("cargo:rerun-if-changed=src/board/mps2_an386/link.x");

@@ -80,7 +80,7 @@ class Regression:
         """Coefficients in physical units (acceleration per column), and the share of each column in the acceleration."""
         np.random.seed(1)
         optimizer = self.optimizer(method, settings)
-        key = (method == "weak form", settings.half_s)
+        key = (method.startswith("weak form"), settings.half_s)
         if key in self.features:
             # Another threshold on the same features, which PySINDy would only compute again.
             optimizer.fit(*self.features[key])

@@ -1,5 +1,7 @@
 //! `cargo xtask bench`: the benches, in release.
 
+pub mod peers;
+
 use anyhow::Result;
 
 use crate::run::{cargo, run};

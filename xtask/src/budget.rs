@@ -90,7 +90,7 @@ fn table(now: &BTreeMap<String, u64>, recorded: &BTreeMap<String, u64>) -> Vec<S
 }
 
 /// Runs the measuring image; its `name = number` lines.
-fn run(image: &std::path::Path) -> Result<BTreeMap<String, u64>> {
+pub fn run(image: &std::path::Path) -> Result<BTreeMap<String, u64>> {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none", "-nodefaults", "-icount", ICOUNT]);
     qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);

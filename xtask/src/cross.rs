@@ -48,6 +48,13 @@ pub const BUDGET: Build = Build {
     arguments: &["--release", "--bin", "budget", "--features", "board-mps2-an386"],
     fast: true,
 };
+/// The tick's parts beside another library's.
+pub const PEERS: Build = Build {
+    target: M4F,
+    packages: &["breakaway-firmware"],
+    arguments: &["--release", "--bin", "peers", "--features", "peers"],
+    fast: true,
+};
 /// See [`BUDGET`].
 pub const INTEGER_TICK: Build = Build {
     target: M0,

@@ -58,7 +58,7 @@ struct Row {
 pub fn test() -> Result<()> {
     let began = Instant::now();
     let folder = target_folder().join("fleet-test");
-    let python = environment(&target_folder().join("fleet-venv"))?;
+    let python = environment(&target_folder().join("fleet-venv"), &root().join("fleet/requirements.txt"))?;
     run(&mut cargo(["build", "--package", "breakaway"]))?;
     let breakaway = target_folder().join("debug").join(format!("breakaway{}", std::env::consts::EXE_SUFFIX));
     if folder.exists() {
@@ -121,21 +121,20 @@ pub fn test() -> Result<()> {
     Ok(())
 }
 
-/// A Python with what `fleet/requirements.txt` pins.
-fn environment(folder: &Path) -> Result<PathBuf> {
-    let requirements = root().join("fleet/requirements.txt");
-    let wanted = fs::read_to_string(&requirements)?;
+/// A Python with what the file of requirements pins.
+pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
+    let wanted = fs::read_to_string(requirements).with_context(|| requirements.display().to_string())?;
     let (python, installed) = (folder.join("bin/python"), folder.join("installed.txt"));
     if fs::read_to_string(&installed).is_ok_and(|installed| installed == wanted) {
         return Ok(python);
     }
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
-        .context("fleet-test needs Python 3.10 or later with venv (`apt-get install python3-venv`)")?;
+        .context("this needs Python 3.10 or later with venv (`apt-get install python3-venv`)")?;
     let mut install = Command::new(&python);
     install
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
-        .arg(&requirements);
-    run_within(&mut install, LIMIT).context("fleet-test needs PyPI")?;
+        .arg(requirements);
+    run_within(&mut install, LIMIT).context("this needs PyPI")?;
     fs::write(&installed, wanted)?;
     Ok(python)
 }

@@ -39,7 +39,14 @@ enum Task {
         seconds: u64,
     },
     /// Run the benches, in release
-    Bench,
+    Bench {
+        /// Compare with what people would use instead, and write docs/benchmarks.md; needs Python and PyPI
+        #[arg(long)]
+        peers: bool,
+        /// Run these parts alone; the others' tables are those of their last run
+        #[arg(long, requires = "peers", value_delimiter = ',')]
+        only: Vec<bench::peers::Part>,
+    },
     /// Discover blind cases: the hidden plant, scored against its sealed truth, in release
     Blind {
         /// Passed on: `--sizes 3,10 --seeds 1..5 --effects cogging,none --experiment suite --verbose`
@@ -57,7 +64,8 @@ fn main() -> ExitCode {
         Task::Image => cross::install().and_then(image::build),
         Task::Budget { record } => cross::install().and_then(|toolchain| budget::measure(toolchain, record)),
         Task::Fuzz { seconds } => fuzz::all(seconds),
-        Task::Bench => bench::all(),
+        Task::Bench { peers: false, .. } => bench::all(),
+        Task::Bench { peers: true, only } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
         Task::FleetTest => fleet::test(),
     };

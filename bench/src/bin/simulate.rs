@@ -1,0 +1,143 @@
+//! A limit cycle by the event-exact simulator, by scipy's `solve_ivp` with events and by the crate `differential-equations`
+//! with events: `simulate FOLDER PYTHON` writes `simulate.md`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, anyhow, bail};
+use breakaway::simulate::limit_cycle::{ExactCycle, exact_cycle};
+use breakaway_bench::timed;
+use breakaway_core::plant::Base;
+use differential_equations::prelude::*;
+
+/// The papers' plant (identification.md section 1).
+const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
+const RELAYS: [(f64, f64); 3] = [(2.0, 1.5), (1.0, 0.7), (5.0, 4.0)];
+const REPEATS: usize = 5;
+
+/// Motion between two events: position, velocity, integral of the position.
+struct Motion {
+    force: f64,
+}
+
+impl ODE<f64, [f64; 3]> for Motion {
+    fn diff(&self, _t: f64, y: &[f64; 3], dydt: &mut [f64; 3]) {
+        *dydt = [y[1], (self.force - BASE.c * y[1]) / BASE.b, y[0]];
+    }
+}
+
+/// One component crosses zero in the direction in which it is armed.
+struct Crossing {
+    index: usize,
+    direction: f64,
+}
+
+impl Event<f64, [f64; 3]> for Crossing {
+    fn config(&self) -> EventConfig {
+        let direction = if self.direction > 0.0 { CrossingDirection::Positive } else { CrossingDirection::Negative };
+        EventConfig::new(direction, Some(1))
+    }
+
+    fn event(&self, _t: f64, y: &[f64; 3]) -> f64 {
+        y[self.index]
+    }
+}
+
+/// Period and peak after `cycles` cycles, by an explicit Runge–Kutta method (as in `limit_cycle.py`).
+fn stepped(h1: f64, h2: f64, cycles: usize, tolerance: f64) -> Result<[f64; 2]> {
+    let (mut t, mut y) = (0.0, [-0.3, 0.0, 0.0]);
+    let (mut sign_e, mut sign_i, mut direction) = (1.0, 1.0, 1.0);
+    let (mut switched, mut extremes) = (Vec::new(), Vec::new());
+    while switched.len() < cycles {
+        let motion = Motion { force: h1 * sign_e + h2 * sign_i - BASE.f1 * direction };
+        let events = [
+            Crossing { index: 1, direction: -direction },
+            Crossing { index: 0, direction: sign_e },
+            Crossing { index: 2, direction: sign_i },
+        ];
+        let solution = IVP::ode(&motion, t, t + 10.0, y)
+            .event(&events[0])
+            .event(&events[1])
+            .event(&events[2])
+            .method(ExplicitRungeKutta::dopri5().rtol(tolerance).atol(1e-3 * tolerance))
+            .solve()
+            .map_err(|error| anyhow!("{error:?}"))?;
+        let (&end, &last) = solution.last().map_err(|error| anyhow!("{error}"))?;
+        // The one that fired is at zero to the root finder's tolerance, which is far below any other.
+        let fired = (0..3)
+            .filter(|&k| (last[events[k].index] - y[events[k].index]) * events[k].direction >= 0.0 || k == 0)
+            .min_by(|&i, &j| last[events[i].index].abs().total_cmp(&last[events[j].index].abs()))
+            .context("no event")?;
+        if end <= t || last[events[fired].index].abs() > 1e-6 {
+            bail!("no event fired before {end} s");
+        }
+        (t, y) = (end, last);
+        match fired {
+            0 => {
+                y[1] = 0.0;
+                direction = (h1 * sign_e + h2 * sign_i).signum();
+                extremes.push(y[0]);
+            }
+            1 => {
+                y[0] = 0.0;
+                sign_e = -sign_e;
+            }
+            _ => {
+                y[2] = 0.0;
+                sign_i = -sign_i;
+                if sign_i > 0.0 {
+                    switched.push(t);
+                }
+            }
+        }
+    }
+    let [.., before, last] = switched[..] else { bail!("fewer than two cycles") };
+    let [.., low, high] = extremes[..] else { bail!("fewer than two reversals") };
+    Ok([last - before, 0.5 * (high - low).abs()])
+}
+
+/// Seconds, period and peak by `host/benches/limit_cycle.py`.
+fn scipy(python: &str, h1: f64, h2: f64, cycles: usize) -> Result<[f64; 3]> {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../host/benches/limit_cycle.py");
+    let words = [script, &h1.to_string(), &h2.to_string(), &cycles.to_string(), &REPEATS.to_string()];
+    let output = Command::new(python).args(words).output().with_context(|| python.to_owned())?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    numbers.try_into().map_err(|_| anyhow!("{script}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, python] = arguments.as_slice() else { bail!("simulate FOLDER PYTHON") };
+    let mut text = String::from(
+        "| relays | simulator | time | time over ours | period off by | peak off by |\n|---|---|---|---|---|---|\n",
+    );
+    for (h1, h2) in RELAYS {
+        let (exact, ours) = timed(200, || exact_cycle(BASE, 0.0, h1, h2));
+        let exact: ExactCycle = exact.map_err(|reason| anyhow!("{reason}"))?;
+        let mut row = |name: &str, seconds: f64, period: f64, peak: f64| {
+            writeln!(
+                text,
+                "| ({h1}, {h2}), {} cycles | {name} | {:.3} ms | {:.0} | {:.0e} | {:.0e} |",
+                exact.cycles,
+                1e3 * seconds,
+                seconds / ours,
+                (period / exact.period_s - 1.0).abs(),
+                (peak / exact.peak - 1.0).abs()
+            )
+        };
+        row("Breakaway, event-exact", ours, exact.period_s, exact.peak)?;
+        for tolerance in [1e-8, 1e-11] {
+            let (found, seconds) = timed(REPEATS, || stepped(h1, h2, exact.cycles, tolerance));
+            let [period, peak] = found?;
+            row(&format!("`differential-equations`, dopri5, rtol {tolerance:.0e}"), seconds, period, peak)?;
+        }
+        let [seconds, period, peak] = scipy(python, h1, h2, exact.cycles)?;
+        row("scipy `solve_ivp`, RK45, rtol 1e-8", seconds, period, peak)?;
+    }
+    println!("{text}");
+    fs::write(PathBuf::from(folder).join("simulate.md"), text)?;
+    Ok(())
+}

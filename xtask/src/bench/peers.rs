@@ -1,0 +1,186 @@
+//! `cargo xtask bench --peers`: side by side with what people would use instead, into docs/benchmarks.md.
+//!
+//! Each part leaves a table in `target/peers/`; the page is `bench/peers/page.md` with the tables put in.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::cross::{self, target_folder};
+use crate::run::{answer, cargo, root, run};
+use crate::{budget, fleet};
+
+const PAGE: &str = "docs/benchmarks.md";
+const TEMPLATE: &str = "bench/peers/page.md";
+/// Seeds of the relay experiments: ten to tune the peer on, forty to compare.
+const FRICTION_SEEDS: [&str; 2] = ["801", "850"];
+/// Seeds of the blind cases, as `bench/peers/discovery.py` has them.
+const BLIND: [&[&str]; 2] = [
+    &["--sizes", "10,3", "--seeds", "701..703"],
+    &["--sizes", "10", "--seeds", "701..713", "--effects", "none"],
+];
+
+/// A part of the bench; its table has its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// PySINDy on blind cases (the longest: half an hour)
+    Discovery,
+    /// scipy's `curve_fit` and IEEE 1057
+    Sine,
+    /// Least squares on filtered derivatives, and the papers' formulas
+    Friction,
+    /// scipy's `solve_ivp` and the crate `differential-equations`
+    Simulate,
+    /// idsp and CMSIS-DSP's PID on the virtual core
+    Instructions,
+}
+
+const PARTS: [Part; 5] = [Part::Sine, Part::Friction, Part::Simulate, Part::Instructions, Part::Discovery];
+
+impl Part {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Discovery => "discovery",
+            Self::Sine => "sine",
+            Self::Friction => "friction",
+            Self::Simulate => "simulate",
+            Self::Instructions => "instructions",
+        }
+    }
+}
+
+/// Where everything is.
+struct Bench {
+    python: PathBuf,
+    folder: PathBuf,
+    programs: PathBuf,
+}
+
+/// Runs the parts (all, if none is given) and writes the page, if every part has been run.
+pub fn run_parts(parts: &[Part]) -> Result<()> {
+    let parts = if parts.is_empty() { PARTS.as_slice() } else { parts };
+    let folder = target_folder().join("peers");
+    fs::create_dir_all(&folder)?;
+    let python = fleet::environment(&target_folder().join("peers-venv"), &root().join("bench/peers/requirements.txt"))?;
+    run(&mut cargo(["build", "--release", "--package", "breakaway-bench", "--package", "breakaway-hidden", "--bins"]))?;
+    run(&mut cargo(["build", "--release", "--package", "breakaway-tests", "--example", "blind"]))?;
+    let bench = Bench { python, folder, programs: target_folder().join("release") };
+    for part in parts {
+        println!("\n==> {}", part.name());
+        match part {
+            Part::Discovery => bench.discovery()?,
+            Part::Sine => bench.sine()?,
+            Part::Friction => bench.friction()?,
+            Part::Simulate => bench.simulate()?,
+            Part::Instructions => bench.instructions()?,
+        }
+    }
+    bench.page()
+}
+
+impl Bench {
+    /// One of our programs, on one core.
+    fn ours(&self, name: &str) -> Command {
+        let mut command = Command::new(self.programs.join(name));
+        command.env("RAYON_NUM_THREADS", "1").current_dir(root());
+        command
+    }
+
+    /// One of the peers' scripts, on one core.
+    fn script(&self, name: &str) -> Command {
+        let mut command = Command::new(&self.python);
+        command.arg(root().join("bench/peers").join(name)).current_dir(root());
+        command.envs(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"].map(|name| (name, "1")));
+        command
+    }
+
+    fn discovery(&self) -> Result<()> {
+        // Rows that are there already are kept: `rm -r target/peers` begins anew.
+        let rows = self.folder.join("ours.csv");
+        for cases in BLIND {
+            run(self.ours("examples/blind").args(cases).args(["--jobs", "1", "--csv"]).arg(&rows))?;
+        }
+        let script = |what| {
+            let mut command = self.script("discovery.py");
+            command.arg(self.programs.join("hidden")).arg(&self.folder).arg(what);
+            command
+        };
+        if !self.folder.join("chosen.json").exists() {
+            run(&mut script("tune"))?;
+        }
+        run(&mut script("run"))?;
+        run(&mut script("table"))
+    }
+
+    fn sine(&self) -> Result<()> {
+        run(self.script("sine.py").arg(&self.folder).arg("make"))?;
+        run(self.ours("sine").arg(&self.folder))?;
+        run(self.script("sine.py").arg(&self.folder).arg("table"))
+    }
+
+    fn friction(&self) -> Result<()> {
+        run(self.ours("friction").arg(&self.folder).args(FRICTION_SEEDS))?;
+        run(self.script("friction.py").arg(&self.folder))
+    }
+
+    fn simulate(&self) -> Result<()> {
+        run(self.ours("simulate").arg(&self.folder).arg(&self.python))
+    }
+
+    fn instructions(&self) -> Result<()> {
+        crate::image::qemu()?;
+        let toolchain = cross::install()?;
+        cross::build(toolchain, &cross::PEERS)?;
+        let counted = budget::run(&cross::binary(&cross::PEERS, "peers"))?;
+        let rows = [
+            ("relay", "Breakaway, dual relay on counts (i32)"),
+            ("sine_sums", "Breakaway, block phasors of the streaming sine fit (i32)"),
+            ("relay_and_sums", "Breakaway, relay and block phasors"),
+            ("pid", "Breakaway, PID: filtered derivative, saturation, integral frozen by it (f32)"),
+            ("cmsis_pid", "CMSIS-DSP's `arm_pid_f32`, from its documentation: three terms, no limits (f32)"),
+            ("idsp_pid_df1", "idsp 0.23, PID as clamped biquad, direct form 1 (f32)"),
+            ("idsp_pid_df2t", "idsp 0.23, the same, direct form 2 transposed (f32)"),
+        ];
+        let ours = counted.get("pid").copied().context("the image counted no PID")?;
+        let mut text = String::from("| call | instructions | over our PID |\n|---|---|---|\n");
+        for (key, title) in rows {
+            let tenths = counted.get(key).with_context(|| format!("the image counted no {key}"))?;
+            let ratio = *tenths as f64 / ours as f64;
+            writeln!(text, "| {title} | {:.1} | {ratio:.2} |", *tenths as f64 / 10.0)?;
+        }
+        println!("{text}");
+        fs::write(self.folder.join("instructions.md"), text)?;
+        Ok(())
+    }
+
+    /// The page, if every part has left its table.
+    fn page(&self) -> Result<()> {
+        let mut page = fs::read_to_string(root().join(TEMPLATE)).context(TEMPLATE)?;
+        let mut missing = Vec::new();
+        for part in PARTS {
+            match fs::read_to_string(self.folder.join(part.name()).with_extension("md")) {
+                Ok(table) => page = page.replace(&format!("{{{{{}}}}}", part.name()), table.trim_end()),
+                Err(_) => missing.push(part.name()),
+            }
+        }
+        if !missing.is_empty() {
+            bail!("{PAGE} is not written: {} has not been run", missing.join(", "));
+        }
+        let date = answer(Command::new("date").args(["-u", "+%Y-%m-%d"])).context("date")?;
+        page = page.replace("{{date}}", &date).replace("{{machine}}", &machine());
+        fs::write(root().join(PAGE), page).context(PAGE)?;
+        println!("{PAGE} is written");
+        Ok(())
+    }
+}
+
+/// The processor's own name, and the compiler.
+fn machine() -> String {
+    let text = fs::read_to_string(Path::new("/proc/cpuinfo")).unwrap_or_default();
+    let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let compiler = answer(Command::new("rustc").arg("--version")).unwrap_or_default();
+    format!("{}, one core; {compiler}", model.map_or("an unnamed processor", |(_, name)| name))
+}
