@@ -1,5 +1,6 @@
 """The tables of the discovery bench, from the rows of PySINDy and of `cargo xtask blind`."""
 import csv
+import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +70,10 @@ def markdown(folder):
     cases = [{(r.hidden, r.size, r.seed) for r in rows} for rows in methods.values()]
     common = set.intersection(*cases)
     methods = {name: [r for r in rows if (r.hidden, r.size, r.seed) in common] for name, rows in methods.items()}
-    lines = [f"{len(common)} recorded sessions in common.", ""]
+    chosen = json.loads((folder / "chosen.json").read_text())
+    lines = [f"{len(common)} sessions, each by every method. Tuned: " + "; ".join(
+        f"{m}: smoothing over {s['window']} samples, threshold {s['threshold']}"
+        + (f", subdomains of ±{1e3 * s['half_s']:.0f} ms" if s["half_s"] else "") for m, s in chosen.items()) + ".", ""]
     lines += ["| | " + " | ".join(methods) + " |", "|---|" + "---|" * len(methods)]
 
     def line(title, cell):

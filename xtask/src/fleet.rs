@@ -131,9 +131,7 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
         .context("this needs Python 3.10 or later with venv (`apt-get install python3-venv`)")?;
     let mut install = Command::new(&python);
-    install
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
-        .arg(requirements);
+    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(requirements);
     run_within(&mut install, LIMIT).context("this needs PyPI")?;
     fs::write(&installed, wanted)?;
     Ok(python)

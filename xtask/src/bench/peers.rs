@@ -18,10 +18,8 @@ const TEMPLATE: &str = "bench/peers/page.md";
 /// Seeds of the relay experiments: ten to tune the peer on, forty to compare.
 const FRICTION_SEEDS: [&str; 2] = ["801", "850"];
 /// Seeds of the blind cases, as `bench/peers/discovery.py` has them.
-const BLIND: [&[&str]; 2] = [
-    &["--sizes", "10,3", "--seeds", "701..703"],
-    &["--sizes", "10", "--seeds", "701..713", "--effects", "none"],
-];
+const BLIND: [&[&str]; 2] =
+    [&["--sizes", "10,3", "--seeds", "701..703"], &["--sizes", "10", "--seeds", "701..713", "--effects", "none"]];
 
 /// A part of the bench; its table has its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
