@@ -20,23 +20,27 @@ const REPEATS: usize = 2;
 /// Motion between two events: position, velocity, integral of the position.
 struct Motion {
     force: f64,
+    /// At rest, held by friction (h1 − h2 = f1 in the first of the runs).
+    held: bool,
 }
 
 impl ODE<f64, [f64; 3]> for Motion {
     fn diff(&self, _t: f64, y: &[f64; 3], dydt: &mut [f64; 3]) {
-        *dydt = [y[1], (self.force - BASE.c * y[1]) / BASE.b, y[0]];
+        *dydt = if self.held { [0.0, 0.0, y[0]] } else { [y[1], (self.force - BASE.c * y[1]) / BASE.b, y[0]] };
     }
 }
 
 /// The first of three armed components to cross zero: their margins are above 0 before, and the smallest crosses first.
 struct Crossing {
     directions: [f64; 3],
+    held: bool,
 }
 
 impl Crossing {
     fn margins(&self, y: &[f64; 3]) -> [f64; 3] {
         // Reversal, position, integral of the position.
-        [-self.directions[0] * y[1], -self.directions[1] * y[0], -self.directions[2] * y[2]]
+        let reversal = if self.held { f64::INFINITY } else { -self.directions[0] * y[1] };
+        [reversal, -self.directions[1] * y[0], -self.directions[2] * y[2]]
     }
 }
 
@@ -82,9 +86,19 @@ fn stepped(h1: f64, h2: f64, cycles: usize, tolerance: f64) -> Result<[f64; 2]> 
     let (mut t, mut y) = (0.0, [-0.3, 0.0, 0.0]);
     let (mut sign_e, mut sign_i, mut direction) = (1.0, 1.0, 1.0);
     let (mut switched, mut extremes) = (Vec::new(), Vec::new());
+    let mut events = 0;
     while switched.len() < cycles {
-        let motion = Motion { force: h1 * sign_e + h2 * sign_i - BASE.f1 * direction };
-        let crossing = Crossing { directions: [-direction, sign_e, sign_i] };
+        events += 1;
+        if events > 100 * cycles {
+            bail!("{events} events up to {t} s: state {y:?}, relays {sign_e}, {sign_i}, direction {direction}");
+        }
+        let drive = h1 * sign_e + h2 * sign_i;
+        let held = y[1] == 0.0 && drive.abs() <= BASE.f1;
+        if y[1] == 0.0 {
+            direction = drive.signum();
+        }
+        let motion = Motion { force: drive - BASE.f1 * direction, held };
+        let crossing = Crossing { directions: [-direction, sign_e, sign_i], held };
         // A short first step leaves the zero at which the last event was.
         let method = ExplicitRungeKutta::dopri5().rtol(tolerance).atol(1e-3 * tolerance).h0(1e-7);
         let solution = IVP::ode(&motion, t, t + 10.0, y)
@@ -102,7 +116,6 @@ fn stepped(h1: f64, h2: f64, cycles: usize, tolerance: f64) -> Result<[f64; 2]> 
         match fired {
             0 => {
                 y[1] = 0.0;
-                direction = (h1 * sign_e + h2 * sign_i).signum();
                 extremes.push(y[0]);
             }
             1 => {
@@ -133,6 +146,13 @@ fn scipy(python: &str, h1: f64, h2: f64, cycles: usize) -> Result<[f64; 3]> {
     numbers.try_into().map_err(|_| anyhow!("{script}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 
+/// The last words of the script.
+fn reason(error: &anyhow::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default();
+    line.rsplit(": ").next().unwrap_or_default().to_owned()
+}
+
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [folder, python] = arguments.as_slice() else { bail!("simulate FOLDER PYTHON") };
@@ -159,8 +179,18 @@ fn main() -> Result<()> {
             let [period, peak] = found?;
             row(&format!("`differential-equations`, dopri5, rtol {tolerance:.0e}"), seconds, period, peak)?;
         }
-        let [seconds, period, peak] = scipy(python, h1, h2, exact.cycles)?;
-        row("scipy `solve_ivp`, RK45, rtol 1e-8", seconds, period, peak)?;
+        match scipy(python, h1, h2, exact.cycles) {
+            Ok([seconds, period, peak]) => row("scipy `solve_ivp`, RK45, rtol 1e-8", seconds, period, peak)?,
+            // The script says so where an event fires again where it just did.
+            Err(error) => {
+                eprintln!("({h1}, {h2}): {error:#}");
+                writeln!(
+                    text,
+                    "| ({h1}, {h2}) | scipy `solve_ivp`, RK45, rtol 1e-8 | ended early: {} | | | |",
+                    reason(&error)
+                )?;
+            }
+        }
     }
     println!("{text}");
     fs::write(PathBuf::from(folder).join("simulate.md"), text)?;
