@@ -165,7 +165,7 @@ fn main() -> Result<()> {
         let mut row = |name: &str, seconds: f64, period: f64, peak: f64| {
             writeln!(
                 text,
-                "| ({h1}, {h2}), {} cycles | {name} | {:.3} ms | {:.0} | {:.0e} | {:.0e} |",
+                "| ({h1}, {h2}), {} cycles | {name} | {:.3} ms | {:.1} | {:.0e} | {:.0e} |",
                 exact.cycles,
                 1e3 * seconds,
                 seconds / ours,
