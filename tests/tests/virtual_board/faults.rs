@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use breakaway::device::virtual_board::Fault;
+use breakaway::device::virtual_board::{Fault, MOST_GARBAGE};
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
 
 use crate::bench::{Bench, relay};
@@ -102,14 +102,29 @@ fn a_reset_during_a_run() {
     assert_eq!(bench.board.seen().unwrap().starts, 2);
 }
 
+/// The same injected: nothing reaches the board from a host that is still there, until it does again.
+#[test]
+fn a_host_that_is_not_heard() {
+    let mut bench = Bench::new(|options| options.settings.command_timeout_ms = 2_000);
+    bench.swing();
+    // 2000 ticks after the last command, and two.
+    bench.breaks(Fault::HostGone, 2002);
+    bench.board.inject(Fault::Healed);
+    // What the host had to say meanwhile comes now; the answer was found on the way.
+    let record = bench.kept(FaultCause::LinkLost);
+    assert_eq!((record.value, record.limit), (2000, 2000));
+}
+
 /// Garbage on the link, on the parser of the real image: counted, and the next command is answered.
 #[test]
 fn garbage_on_the_link() {
     let mut bench = Bench::new(|_| {});
     bench.swing();
+    bench.board.inject(Fault::Garbage(MOST_GARBAGE));
     let mut port = std::fs::OpenOptions::new().write(true).open(&bench.board.port).unwrap();
     let mut state = 1_u32;
-    let mut frames = 0;
+    // Of those injected at most: a byte in 256 is a zero, 2048/256 on average; four standard deviations more are 20.
+    let mut frames = 20;
     for _ in 0..20 {
         let noise: Vec<u8> = (0..150)
             .map(|_| {
