@@ -43,7 +43,9 @@ pub(super) struct Sum<R> {
 impl<R: Fast> Term<R> {
     /// The effect's term; `None` if the catalogue says that it cannot be compensated.
     pub fn new(effect: &Effect<f64>, f1: f64) -> Option<Self> {
-        effect.kind.definition().compensation?;
+        if !effect.kind.compensated() {
+            return None;
+        }
         let p = effect.p;
         let real = R::from_f64;
         Some(match effect.kind {

@@ -114,23 +114,22 @@ const LARGEST_SHARE_ERROR: f64 = 0.25;
 /// # Errors
 /// [`Refusal`] names what the data cannot determine; its advice names the experiment that would.
 pub fn estimate(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
-    let problem = Problem { experiments };
-    if problem.blocks().next().is_none() {
-        let all = || experiments.iter().copied().flatten();
-        return Err(if all().any(|block| block.skipped > 0) {
-            Refusal::NoMotion
-        } else if all().any(|block| block.not_finite > 0) {
-            Refusal::NotFinite
-        } else {
-            Refusal::TooShort
-        });
-    }
-    if problem.one_direction() {
-        return Err(Refusal::OneDirection);
-    }
-    if problem.blocks().any(|block| block.rows_per_window == 1) { problem.solve::<4>() } else { problem.solve::<3>() }
+    let problem = Problem::checked(experiments)?;
+    if problem.asks_for_load() { problem.solve::<4>() } else { problem.solve::<3>() }
 }
 
+/// As [`estimate`], for blocks without a window of multiple 0: where none asks for the load, the code that would find it
+/// is not there either (4 KiB on a microcontroller).
+///
+/// # Errors
+/// As [`estimate`]; and [`Refusal::Undetermined`] names the load where a block asks for it.
+pub fn estimate_base(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
+    let problem = Problem::checked(experiments)?;
+    if problem.asks_for_load() {
+        return Err(Refusal::Undetermined(Parameter::Load));
+    }
+    problem.solve::<3>()
+}
 #[derive(Clone, Copy)]
 struct Problem<'a> {
     experiments: &'a [&'a [Block]],
@@ -181,6 +180,28 @@ struct Outcome<const N: usize> {
 }
 
 impl<'a> Problem<'a> {
+    fn checked(experiments: &'a [&'a [Block]]) -> Result<Self, Refusal> {
+        let problem = Problem { experiments };
+        if problem.blocks().next().is_none() {
+            let all = || experiments.iter().copied().flatten();
+            return Err(if all().any(|block| block.skipped > 0) {
+                Refusal::NoMotion
+            } else if all().any(|block| block.not_finite > 0) {
+                Refusal::NotFinite
+            } else {
+                Refusal::TooShort
+            });
+        }
+        if problem.one_direction() {
+            return Err(Refusal::OneDirection);
+        }
+        Ok(problem)
+    }
+
+    fn asks_for_load(self) -> bool {
+        self.blocks().any(|block| block.rows_per_window == 1)
+    }
+
     fn blocks(self) -> impl Iterator<Item = &'a Block> {
         self.experiments.iter().copied().flatten().filter(|block| block.windows > 0)
     }

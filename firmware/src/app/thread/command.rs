@@ -64,7 +64,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             }
             Command::StartTrack(track) => return self.track(&track),
             Command::LoadWaveform(part) => return Ok(Outcome::Ask(Order::Waveform(part), Then::Nothing)),
-            Command::Identify => Reply::Identified(self.identification.solve(&self.settings, self.identity.tick_hz)?),
+            Command::Identify => Reply::Identified(self.identification.solve()?),
             Command::Stop => return Ok(Outcome::Ask(Order::Stop, Then::Nothing)),
             Command::StreamOn { decimation } => {
                 self.stream.switch(decimation);
