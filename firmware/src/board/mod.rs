@@ -31,8 +31,8 @@ pub use protection::{Protection, RETAINED_WORDS, Retained, Trip};
 pub use sign_magnitude::{ConfigError, DriveError, Limits, SignMagnitude};
 pub use wire::Wire;
 
-/// All that the tick needs. A struct with these five fields and five getters is enough; the virtual board's is in
-/// `board/mps2_an386`.
+/// All that the tick needs. A struct with these five fields and five getters is enough; what implements all five itself,
+/// as the virtual board does, is a board as it is.
 pub trait Board {
     /// Position.
     type Encoder: Encoder;
@@ -55,4 +55,28 @@ pub trait Board {
     fn protection(&mut self) -> &mut Self::Protection;
     /// Memory that outlives a reset.
     fn retained(&mut self) -> &mut Self::Retained;
+}
+
+impl<T: Encoder + Drive + Clock + Protection + Retained> Board for T {
+    type Encoder = Self;
+    type Drive = Self;
+    type Clock = Self;
+    type Protection = Self;
+    type Retained = Self;
+
+    fn encoder(&mut self) -> &mut Self {
+        self
+    }
+    fn drive(&mut self) -> &mut Self {
+        self
+    }
+    fn clock(&self) -> &Self {
+        self
+    }
+    fn protection(&mut self) -> &mut Self {
+        self
+    }
+    fn retained(&mut self) -> &mut Self {
+        self
+    }
 }

@@ -163,7 +163,6 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         if moved.unsigned_abs() > self.guards.jump_counts {
             self.fail(FaultCause::EncoderJump, moved, clamped(self.guards.jump_counts));
         }
-        let mode = self.mode();
         let mut reference = count;
         if self.run.is_some() {
             self.guard(Observation { count, moved, drive: self.applied.code, alive });
@@ -172,8 +171,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         if let (Some(accumulation), Some(run)) = (&mut self.accumulation, &self.run) {
             accumulation.push(self.now, travel(run.start, count));
         }
-        let mode = if self.run.is_some() { mode } else { self.mode() };
-        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode };
+        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode: self.mode() };
         // Where the queue is full the sample is lost, and the step in the tick numbers tells.
         let _ = self.channels.samples.enqueue(sample);
     }
