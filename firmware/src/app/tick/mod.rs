@@ -124,6 +124,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     }
 
     /// One pass: read encoder → guards → active mode → drive → accumulate estimators → push a sample.
+    #[inline(never)]
     pub fn tick(&mut self) {
         let start_us = self.board.clock().now_us();
         let mut in_time = self.on_time(start_us);
