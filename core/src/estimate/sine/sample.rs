@@ -98,7 +98,7 @@ impl Sample for i32 {
                 cos_sum += rounded_product(y, cos);
                 sin_sum += rounded_product(y, sin);
                 sum += i64::from(y);
-                *power = power.saturating_add((i64::from(y) * i64::from(y)) as u128);
+                *power = power.wrapping_add((i64::from(y) * i64::from(y)) as u128);
             }
             in_range &= Self::merge(sums, &CountSums { cos_q10: cos_sum, sin_q10: sin_sum, sum });
         }
@@ -116,7 +116,8 @@ impl Sample for i32 {
         let (y, overflow) = self.overflowing_sub(reference);
         let (sin, cos) = nco::sin_cos(phase);
         let (cos_q10, sin_q10) = (rounded_product(y, cos), rounded_product(y, sin));
-        *power = power.saturating_add((i64::from(y) * i64::from(y)) as u128);
+        // 2⁶⁴ squares of 2⁶² fit: it never wraps.
+        *power = power.wrapping_add((i64::from(y) * i64::from(y)) as u128);
         let in_range = Self::merge(sums, &CountSums { cos_q10, sin_q10, sum: i64::from(y) });
         (phase.wrapping_add(word), in_range && !overflow)
     }

@@ -104,10 +104,12 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     }
 
     /// What it is doing.
+    #[allow(clippy::inline_always, reason = "cheaper than its call, and in every tick of an image built for size")]
+    #[inline(always)]
     pub fn mode(&self) -> Mode {
         match (&self.fault, &self.run) {
             (Some(_), _) => Mode::Fault,
-            (None, Some(run)) => run.mode(),
+            (None, Some(run)) => run.mode,
             (None, None) => Mode::Idle,
         }
     }
@@ -124,6 +126,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     }
 
     /// One pass: read encoder → guards → active mode → drive → accumulate estimators → push a sample.
+    // One function in every image, so that what is counted in one is what the other takes.
     #[inline(never)]
     pub fn tick(&mut self) {
         let start_us = self.board.clock().now_us();
@@ -200,10 +203,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let Some(run) = &mut self.run else {
             return count;
         };
-        let over = match run.source {
-            Source::Control(Mode::Track) => self.controller.finished(),
-            _ => false,
-        };
+        let over = run.mode == Mode::Track && self.controller.finished();
         if over || run.max_ticks != 0 && run.ticks >= run.max_ticks {
             self.end(Ending::TimeUp);
             return count;
@@ -212,7 +212,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control(_) => {
+            Source::Control => {
                 let Applied { code: applied, limited } = self.applied;
                 self.controller.tick(ControlInput { distance, applied, limited })
             }

@@ -13,7 +13,8 @@ use crate::app::run::{Run, RunLimits, RunOrder, Source};
 use crate::board::{Board, Drive, Retained};
 
 impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
-    #[inline]
+    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    #[inline(always)]
     pub(super) fn obey(&mut self, count: i32) {
         if self.channels.orders.ready() {
             self.carry_out();
@@ -95,15 +96,15 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
             return Ok(());
         };
         let bounds: Bounds = *bounds;
-        let (source, peak) = match order {
-            RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.peak()),
+        let (source, peak, mode) = match order {
+            RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.peak(), excitation.mode()),
             RunOrder::Track(plan) => {
                 self.controller.start(plan, count);
-                (Source::Control(Mode::Track), None)
+                (Source::Control, None, Mode::Track)
             }
             RunOrder::Hold(plan) => {
                 self.controller.start(plan, count);
-                (Source::Control(Mode::Hold), None)
+                (Source::Control, None, Mode::Hold)
             }
         };
         if self.board.drive().enable().is_err() {
@@ -111,7 +112,7 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
             return Err(CommandError::Faulted);
         }
         let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds), count, peak);
-        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks });
+        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
         self.board.retained().write(Remembered::Running(self.now).to_words());
         Ok(())
     }
