@@ -12,7 +12,7 @@ mod image {
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
     };
     use breakaway_firmware::board::mps2_an386::{Next, SimulatedFlash, Virtual};
-    use breakaway_firmware::board::{Board, Encoder, Retained, Wire};
+    use breakaway_firmware::board::{Board, Encoder, Retained, Wire, routines};
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m::peripheral::{Peripherals, SYST};
@@ -186,6 +186,7 @@ mod image {
         let Some(peripherals) = Peripherals::take() else {
             panic!("taken twice");
         };
+        assert!(routines::hold(), "a routine of board/routines.rs is wrong");
         let meter = Meter::new(peripherals.SYST);
         Virtual::default().retained().write([0; 8]);
         let identity = Identity { board: "budget", build: "", tick_hz: TICK_HZ };

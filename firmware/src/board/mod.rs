@@ -13,7 +13,7 @@ mod drive;
 mod encoder;
 #[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
 #[allow(unsafe_code, reason = "routines that the compiler calls")]
-mod memory;
+pub mod routines;
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
 #[allow(unsafe_code, reason = "registers and fixed addresses of the board")]
 pub mod mps2_an386;

@@ -83,7 +83,8 @@ pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f
 
 /// Wraps an angle to −π..π.
 pub(super) fn wrap(angle: f64) -> f64 {
-    libm::remainder(angle, TAU)
+    // Not `remainder`, a long division: what rounding leaves here is what it left in the angle.
+    angle - TAU * libm::round(angle / TAU)
 }
 
 /// What scales the dimensionless solution back to the record.
