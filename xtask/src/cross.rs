@@ -35,7 +35,10 @@ pub const BUILDS: [(&str, &Build); 2] = [
         "build for Cortex-M4F (core, firmware)",
         &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[], profile: "dev" },
     ),
-    ("build for Cortex-M0+ (core)", &Build { target: M0, packages: &["breakaway-core"], arguments: &[], profile: "dev" }),
+    (
+        "build for Cortex-M0+ (core)",
+        &Build { target: M0, packages: &["breakaway-core"], arguments: &[], profile: "dev" },
+    ),
 ];
 
 /// The virtual board's image.
@@ -45,7 +48,8 @@ pub const IMAGE: Build = Build {
     arguments: &["--bin", "mps2-an386", "--features", "board-mps2-an386"],
     profile: RELEASE,
 };
-/// The images that measure: the tick on the virtual board, and the tick alone on a core without an FPU.
+/// The images that measure, built as what is flashed is: the tick on the virtual board, and the tick alone on a core
+/// without an FPU.
 pub const BUDGET: Build = Build {
     target: M4F,
     packages: &["breakaway-firmware"],
@@ -64,14 +68,7 @@ pub const INTEGER_TICK: Build = Build {
 pub const NUCLEO: Build = Build {
     target: M4F,
     packages: &["breakaway-firmware"],
-    arguments: &[
-        "--bin",
-        "nucleo-g474re",
-        "--bin",
-        "nucleo-g474re-tick",
-        "--features",
-        "board-nucleo-g474re",
-    ],
+    arguments: &["--bin", "nucleo-g474re", "--bin", "nucleo-g474re-tick", "--features", "board-nucleo-g474re"],
     profile: FLASH,
 };
 

@@ -48,12 +48,7 @@ impl<R: Fast> Pid<R> {
     ///
     /// # Errors
     /// [`TuningError`], with the largest allowed rate.
-    pub fn with_delay<F: Real>(
-        gains: &Gains<F>,
-        tick_s: F,
-        delay_ticks: u32,
-        limit: F,
-    ) -> Result<Self, TuningError> {
+    pub fn with_delay<F: Real>(gains: &Gains<F>, tick_s: F, delay_ticks: u32, limit: F) -> Result<Self, TuningError> {
         gains.check(tick_s, delay_ticks)?;
         let drives = limit > F::ZERO;
         if !drives {

@@ -56,11 +56,9 @@ impl<R: Fast> Term<R> {
             Kind::Spring => Self::Linear { constant: real(-p[0] * p[1]), linear: real(p[0]) },
             Kind::AsymmetricViscous => Self::Drag { by_speed: real(p[0]), by_square: R::ZERO },
             Kind::QuadraticDrag => Self::Drag { by_speed: R::ZERO, by_square: real(p[0]) },
-            Kind::Cogging => Self::Ripple {
-                turns: turns(p[1]),
-                first: [real(-p[0]), turn(p[2])],
-                second: [real(-p[3]), turn(p[4])],
-            },
+            Kind::Cogging => {
+                Self::Ripple { turns: turns(p[1]), first: [real(-p[0]), turn(p[2])], second: [real(-p[3]), turn(p[4])] }
+            }
             Kind::GravityLoad => Self::Ripple {
                 turns: R::from_f64(TURNS_PER_RADIAN),
                 first: [real(-p[0]), turn(p[1])],
@@ -71,9 +69,7 @@ impl<R: Fast> Term<R> {
                 per_vs: real(F::ONE / p[1]),
                 p: if p[2] == F::ONE + F::ONE { None } else { Some(real(p[2])) },
             },
-            Kind::PositionFriction => {
-                Self::Wave { amplitude: real(f1 * p[0]), turns: turns(p[1]), phase: turn(p[2]) }
-            }
+            Kind::PositionFriction => Self::Wave { amplitude: real(f1 * p[0]), turns: turns(p[1]), phase: turn(p[2]) },
             Kind::LoadFriction => Self::load(p[0]),
             Kind::DeadZone => {
                 // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long

@@ -171,7 +171,7 @@ impl<A: Copy + Add<Output = A> + Neg<Output = A>> DualRelay<A> {
 }
 
 #[inline]
-fn switch<T: PartialOrd + Neg<Output = T>>(positive: bool, value: T, hysteresis: T) -> bool {
+fn switch<T: Copy + PartialOrd + Neg<Output = T>>(positive: bool, value: T, hysteresis: T) -> bool {
     if positive { value >= -hysteresis } else { value > hysteresis }
 }
 

@@ -8,9 +8,7 @@ mod image {
 
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{Channels, Guards, NoController, Tick, TickSettings};
-    use breakaway_firmware::board::{
-        Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip,
-    };
+    use breakaway_firmware::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip};
 
     /// A board of which the compiler knows nothing.
     struct Opaque([u32; RETAINED_WORDS]);

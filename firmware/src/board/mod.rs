@@ -11,9 +11,6 @@
 mod clock;
 mod drive;
 mod encoder;
-#[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
-#[allow(unsafe_code, reason = "routines that the compiler calls")]
-pub mod routines;
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
 #[allow(unsafe_code, reason = "registers and fixed addresses of the board")]
 pub mod mps2_an386;
@@ -21,6 +18,9 @@ pub mod mps2_an386;
 #[allow(unsafe_code, reason = "interrupt and retained RAM of the board")]
 pub mod nucleo_g474re;
 mod protection;
+#[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
+#[allow(unsafe_code, reason = "routines that the compiler calls")]
+pub mod routines;
 mod sign_magnitude;
 mod wire;
 

@@ -162,7 +162,8 @@ fn moves(from: usize, apart: usize, length: usize) -> bool {
         let mut filled = bytes;
         filled[black_box(from)..black_box(from + length)].fill(black_box(7));
         let mut copied = [0; 64];
-        copied[black_box(to)..black_box(to + length)].copy_from_slice(&bytes[black_box(from)..black_box(from + length)]);
+        copied[black_box(to)..black_box(to + length)]
+            .copy_from_slice(&bytes[black_box(from)..black_box(from + length)]);
         let within = |i: usize, start: usize| (start..start + length).contains(&i);
         (0..64).all(|i| {
             moved[i] == expected(i, from, to)

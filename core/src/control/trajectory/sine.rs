@@ -26,10 +26,7 @@ impl<R: Fast> Sine<R> {
         }
         let nco = Nco::new(core::f64::consts::TAU * frequency_hz, tick_s).map_err(|_| TrajectoryError::Frequency)?;
         let w = nco.radians_per_sample() / tick_s;
-        Ok(Self {
-            word: nco.word(),
-            scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64),
-        })
+        Ok(Self { word: nco.word(), scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64) })
     }
 
     /// The reference at tick `k`; it repeats without end.

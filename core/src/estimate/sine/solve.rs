@@ -140,6 +140,9 @@ impl Response {
     }
 }
 
+/// Called with a row, its derivative by ω and the whitened value.
+type Visitor<'a> = dyn FnMut(&[f64; N], &[f64; N], f64) + 'a;
+
 /// The weighted least-squares problem.
 struct Problem<'a> {
     blocks: &'a [Block],
@@ -156,7 +159,7 @@ impl Problem<'_> {
     ///
     /// One copy for all who visit: in place it would be four times as much code on a microcontroller.
     #[inline(never)]
-    fn rows(&self, omega: f64, visit: &mut dyn FnMut(&[f64; N], &[f64; N], f64)) {
+    fn rows(&self, omega: f64, visit: &mut Visitor<'_>) {
         let [regular, last] = &self.geometry;
         let responses = [Response::new(regular, self.w, omega), Response::new(last, self.w, omega)];
         for block in self.blocks {

@@ -1,9 +1,11 @@
 //! What a device needs of the catalogue: ranges and names as numbers, without its texts (8 KiB on a microcontroller).
 
-use super::definition::MAX_PARAMETERS;
 use super::Kind;
+use super::definition::MAX_PARAMETERS;
 
 const KINDS: usize = Kind::ALL.len();
+/// As many as [`COMPENSATED`] has bits.
+const _: () = assert!(KINDS <= 32);
 
 /// Where the ranges of each effect start in [`RANGES`]; the next one's start is its end.
 static STARTS: [u8; KINDS + 1] = starts();
@@ -55,7 +57,6 @@ const fn hashes() -> [u32; KINDS] {
 }
 
 const fn compensated() -> u32 {
-    assert!(KINDS <= 32);
     let (mut bits, mut kind) = (0, 0);
     while kind < KINDS {
         if Kind::ALL[kind].definition().compensation.is_some() {

@@ -122,7 +122,8 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
         Trajectory::Sine { amplitude, period_s } => {
             let omega = core::f32::consts::TAU / period_s;
             let peak = amplitude.abs();
-            let sine = Sine::new(f64::from(amplitude), 1.0 / f64::from(period_s), 1.0 / f64::from(tick_hz)).map_err(|_| wrong)?;
+            let sine = Sine::new(f64::from(amplitude), 1.0 / f64::from(period_s), 1.0 / f64::from(tick_hz))
+                .map_err(|_| wrong)?;
             (Path::Sine(sine), peak * omega, peak * omega * omega)
         }
         Trajectory::Triangle { amplitude, period_s } => {
@@ -136,12 +137,7 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
                 return Err(wrong);
             }
             let (size, per_s) = (distance.abs(), 1.0 / duration_s);
-            let path = Path::MinimumJerk {
-                distance,
-                per_ticks: 1.0 / ticks,
-                per_s,
-                ticks: ticks as u32,
-            };
+            let path = Path::MinimumJerk { distance, per_ticks: 1.0 / ticks, per_s, ticks: ticks as u32 };
             // 15/8 and 10/√3: the peaks of the polynomial's derivatives.
             (path, 1.875 * size * per_s, 5.774 * size * per_s * per_s)
         }

@@ -97,7 +97,9 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         };
         let bounds: Bounds = *bounds;
         let (source, peak, mode) = match order {
-            RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.peak(), excitation.mode()),
+            RunOrder::Excite(excitation) => {
+                (Source::Exciter(Exciter::new(*excitation)), excitation.peak(), excitation.mode())
+            }
             RunOrder::Track(plan) => {
                 self.controller.start(plan, count);
                 (Source::Control, None, Mode::Track)
