@@ -37,7 +37,7 @@ pub use sample::{BATCH_BYTES, Batch, BatchError, BatchWriter, Mode, Sample};
 pub use settings::{Settings, SettingsError};
 
 /// Version of the messages and frames. Raised with every change of the golden vectors that leaves the house.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;
 /// The baud rate of boards whose link has one.
 pub const BAUD: u32 = 921_600;
 /// The drive code of full drive.

@@ -1,5 +1,5 @@
-//! The whole loop on the virtual board, for each effect that is to be worth it, at a tenth of the drive's amplitude (3 V
-//! in the suite's relays and multisines, 0.6 V along the sine).
+//! The whole loop on the virtual board, for each effect that is to be worth it: 0.3 V, between 6 % of the suite's strongest
+//! relay (4.75 V) and a quarter of its weakest sine (1.1 V), and half of the 0.57 V along the sine that is followed.
 //!
 //! The project's goals: with the discovered model compensated at most a half of the error that the base model leaves, and
 //! a fifth of that of the PID alone; within 1.3 of a compensator that is given the truth. Where the truth itself does
@@ -100,9 +100,13 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.toml");
     papers_plant().write(&model).unwrap();
+    let file = folder.path().join("reference.csv").display().to_string();
+    let rows: String = (0..20).map(|k| format!("{},{}\n", 0.1 * f64::from(k), 0.01 * f64::from(k))).collect();
+    std::fs::write(&file, format!("t,x\n{rows}")).unwrap();
     let board = start(&options(&papers_plant()));
     for (reference, part) in [
-        ("trapezoid:1,1,10", "give it a sine"),
+        (file.as_str(), "give it a sine"),
+        ("trapezoid:50,1,10", "its travel limits leave 40.0000 rad either way"),
         ("sine:50,0.1", "its travel limits leave 40.0000 rad either way"),
         ("sine:1,900", "frequency must be above 0 and below half the tick rate"),
     ] {
@@ -111,6 +115,23 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
             crate::identify::refused(&["track", "--model", &model, "--port", &board.port, "--reference", reference]);
         assert!(said.contains(part), "{reference}: {said}");
     }
+}
+
+/// An S-curve there and back, made by the board from what the host has told it: compensated, what is left is the encoder's
+/// rounding (0.29 steps) and less than another step. The plant is the model.
+#[test]
+fn an_s_curve_is_followed_there_and_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("model.toml");
+    papers_plant().write(&model).unwrap();
+    let board = start(&options(&papers_plant()));
+    let model = model.display().to_string();
+    let reference = "s_curve:2,2,8,100,0.2";
+    let tracked = breakaway(&["track", "--model", &model, "--port", &board.port, "--reference", reference]);
+    let [pid, base] = ["pid", "base"].map(|name| rms(&tracked, name));
+    let step = tracked["runs"][1]["rms_steps"].as_f64().unwrap();
+    println!("{reference}: PID {pid:.2e}, compensated {base:.2e} rad, {step:.2} steps");
+    assert!(step < 1.0 && base < 0.2 * pid, "{tracked}");
 }
 
 /// The demo tells the same story of another effect. Of the base model half of the Stribeck effect is left at least.

@@ -1,7 +1,8 @@
 //! From a command to what the controller in the tick needs.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Pid, Sine, TuningError,
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
+    TuningError,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -140,6 +141,13 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
             let path = Path::MinimumJerk { distance, per_ticks: 1.0 / ticks, per_s, ticks: ticks as u32 };
             // 15/8 and 10/√3: the peaks of the polynomial's derivatives.
             (path, 1.875 * size * per_s, 5.774 * size * per_s * per_s)
+        }
+        Trajectory::Profile { distance, jerk_ticks, acceleration_ticks, cruise_ticks, rest_ticks } => {
+            let phases = Phases { jerk: jerk_ticks, acceleration: acceleration_ticks, cruise: cruise_ticks };
+            let profile =
+                Profile::in_ticks(f64::from(distance), phases, 1.0 / f64::from(tick_hz)).map_err(|_| wrong)?;
+            let (speed, acceleration) = phases.peaks(distance, tick_hz as f32);
+            (Path::Profile(profile.shuttle(rest_ticks)), speed, acceleration)
         }
     })
 }

@@ -36,8 +36,10 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
         Design::new(&model, &request).with_context(|| args.model.display().to_string())?
     };
     let course = args.course(tick_s)?;
-    if let Reference::Sine { amplitude, .. } = course.reference {
-        runner.has_room(amplitude)?;
+    match course.reference {
+        Reference::Sine { amplitude: most, .. } | Reference::Profile { distance: most, .. } => runner.has_room(most)?,
+        // The board says that it has no such trajectory.
+        Reference::File(_) => {}
     }
     let (cases, bench) = cases(&mut runner, &model, &design, &course, &interrupt)?;
     let name = format!("{} at {port}", runner.board());

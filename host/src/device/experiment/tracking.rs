@@ -71,16 +71,27 @@ pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
     })
 }
 
-/// The board's trajectory for a reference.
+/// The board's trajectory for a reference, at ticks of `tick_s` s.
 ///
 /// # Errors
 /// [`DeviceError::Reference`]: the board has no such trajectory.
-fn trajectory(reference: &Reference) -> Result<Trajectory, DeviceError> {
+fn trajectory(reference: &Reference, tick_s: f64) -> Result<Trajectory, DeviceError> {
     match *reference {
         Reference::Sine { amplitude, frequency_hz } => {
             Ok(Trajectory::Sine { amplitude: amplitude as f32, period_s: (1.0 / frequency_hz) as f32 })
         }
-        Reference::Profile { .. } | Reference::File(_) => Err(DeviceError::Reference(reference.to_string())),
+        Reference::Profile { distance, .. } => match reference.phases(tick_s) {
+            Ok(Some((phases, rest_ticks))) => Ok(Trajectory::Profile {
+                distance: distance as f32,
+                jerk_ticks: phases.jerk,
+                acceleration_ticks: phases.acceleration,
+                cruise_ticks: phases.cruise,
+                rest_ticks,
+            }),
+            // Its points were made before, so it is one.
+            Ok(None) | Err(_) => Err(DeviceError::Reference(reference.to_string())),
+        },
+        Reference::File(_) => Err(DeviceError::Reference(reference.to_string())),
     }
 }
 
@@ -133,7 +144,7 @@ impl Runner {
             self.settings.drive_max_code
         };
         let start = Command::StartTrack(Track {
-            trajectory: trajectory(run.reference)?,
+            trajectory: trajectory(run.reference, self.scale.tick_s())?,
             controller: run.controller,
             feed_forward: run.compensate,
             compensation: run.compensate,
