@@ -23,7 +23,7 @@ image). Without --plant the plant of the papers is taken. The board's settings s
 drive at full scale, units of the plant; with --flash they are kept as on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
-break=NUMBER, supply=MV, reset, host-gone, garbage=BYTES, corrupt-flash (TICK 0, with --flash), healed. TICK counts from the
+break=NUMBER, supply=MV, reset, garbage=BYTES, corrupt-flash (TICK 0, with --flash), healed. TICK counts from the
 start.
 
 JSON: port, board, tick_hz; printed when the board is ready.")]

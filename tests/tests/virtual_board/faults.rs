@@ -102,19 +102,6 @@ fn a_reset_during_a_run() {
     assert_eq!(bench.board.seen().unwrap().starts, 2);
 }
 
-/// The same injected: nothing reaches the board from a host that is still there, until it does again.
-#[test]
-fn a_host_that_is_not_heard() {
-    let mut bench = Bench::new(|options| options.settings.command_timeout_ms = 2_000);
-    bench.swing();
-    // 2000 ticks after the last command, and two.
-    bench.breaks(Fault::HostGone, 2002);
-    bench.board.inject(Fault::Healed);
-    // What the host had to say meanwhile comes now; the answer was found on the way.
-    let record = bench.kept(FaultCause::LinkLost);
-    assert_eq!((record.value, record.limit), (2000, 2000));
-}
-
 /// Garbage on the link, on the parser of the real image: counted, and the next command is answered.
 #[test]
 fn garbage_on_the_link() {

@@ -19,8 +19,6 @@ pub enum Fault {
     Supply(i32),
     /// The board is reset; the plant goes on.
     Reset,
-    /// What the host sends does not reach the board.
-    HostGone,
     /// This many bytes of noise reach the board from the host's side, at most [`MOST_GARBAGE`].
     Garbage(u16),
     /// Bits of the flash's file are flipped before the board starts; at tick 0 only.
@@ -34,7 +32,7 @@ pub const MOST_GARBAGE: u16 = 2048;
 
 /// What can be injected, for messages and help.
 pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, supply=MV, \
-                          reset, host-gone, garbage=BYTES (at most 2048), corrupt-flash (at tick 0), healed";
+                          reset, garbage=BYTES (at most 2048), corrupt-flash (at tick 0), healed";
 
 /// A fault at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +61,6 @@ impl FromStr for Injection {
             ("break", _) => Fault::Break(signed()?),
             ("supply", _) => Fault::Supply(signed()?),
             ("reset", "") => Fault::Reset,
-            ("host-gone", "") => Fault::HostGone,
             ("garbage", _) => Fault::Garbage(number.parse().ok().filter(|n| *n <= MOST_GARBAGE).ok_or_else(wrong)?),
             ("corrupt-flash", "") if tick == 0 => Fault::CorruptFlash,
             ("healed", "") => Fault::Healed,
@@ -87,7 +84,6 @@ mod tests {
         for wrong in [
             "1:corrupt-flash",
             "1:garbage=2049",
-            "1:host-gone=1",
             "reset",
             "x:reset",
             "1:reset=2",

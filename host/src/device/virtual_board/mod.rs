@@ -245,7 +245,6 @@ impl Runner {
             Fault::Break(number) => self.lockstep.condition(1, number)?,
             Fault::Supply(millivolts) => self.lockstep.condition(2, millivolts)?,
             Fault::Reset => self.qemu.reset()?,
-            Fault::HostGone => self.qemu.hold_link(true)?,
             Fault::Garbage(bytes) => self.qemu.garbage(bytes)?,
             // Done before the start: what the board has read it does not read again.
             Fault::CorruptFlash => {}
@@ -253,7 +252,6 @@ impl Runner {
                 self.machine.heal();
                 self.lockstep.condition(3, 0)?;
                 self.lockstep.condition(4, 0)?;
-                self.qemu.hold_link(false)?;
             }
         }
         Ok(())

@@ -28,8 +28,6 @@ pub(super) struct Qemu {
     pub port: String,
     monitor: UnixStream,
     log: std::path::PathBuf,
-    /// The host's end of the link while it is held.
-    held: Option<std::fs::File>,
     /// Sockets and log; removed at the end.
     _folder: tempfile::TempDir,
 }
@@ -75,7 +73,7 @@ impl Qemu {
                 return Err(error);
             }
         };
-        let mut qemu = Self { child, port: String::new(), monitor, log, held: None, _folder: folder };
+        let mut qemu = Self { child, port: String::new(), monitor, log, _folder: folder };
         qemu.port = qemu.pseudo_terminal()?;
         Ok((qemu, Lockstep::new(plant)?))
     }
@@ -107,31 +105,14 @@ impl Qemu {
         Ok(())
     }
 
-    /// Holds back what the host sends, or lets it go again.
-    pub(super) fn hold_link(&mut self, hold: bool) -> Result<(), VirtualBoardError> {
-        use rustix::termios::{Action, tcflow};
-        if hold {
-            let port = self.link()?;
-            tcflow(&port, Action::OOff).map_err(std::io::Error::from)?;
-            self.held = Some(port);
-        } else if let Some(port) = self.held.take() {
-            tcflow(&port, Action::OOn).map_err(std::io::Error::from)?;
-        }
-        Ok(())
-    }
-
     /// Noise on the link, as if the host had sent it: the same at every call.
     pub(super) fn garbage(&self, bytes: u16) -> Result<(), VirtualBoardError> {
         let mut noise = vec![0; bytes.into()];
         ChaCha8Rng::seed_from_u64(0).fill_bytes(&mut noise);
-        let mut port = self.link()?;
+        let mut port = std::fs::OpenOptions::new().write(true).open(&self.port)?;
         // The board reads between its ticks, which are not to wait for it. If it ends before, nobody misses the noise.
         std::thread::spawn(move || drop(port.write_all(&noise)));
         Ok(())
-    }
-
-    fn link(&self) -> std::io::Result<std::fs::File> {
-        std::fs::OpenOptions::new().read(true).write(true).open(&self.port)
     }
 
     /// Why it ended, with what QEMU said.
