@@ -41,7 +41,8 @@ impl Phases {
     fn from_times(times: [f64; 3], tick_s: f64) -> Result<Self, TrajectoryError> {
         // Rounded up, but not for the last bit of a quotient that is whole.
         let [jerk, acceleration, cruise] = times.map(|t| libm::ceil(t / tick_s - 1e-9).max(0.0));
-        if !(4.0 * jerk + 2.0 * acceleration + cruise < LONGEST as f64 - 2.0) {
+        let total = 4.0 * jerk + 2.0 * acceleration + cruise;
+        if total.is_nan() || total >= LONGEST as f64 - 2.0 {
             return Err(TrajectoryError::Duration);
         }
         // A move needs a tick of acceleration at least.
