@@ -3,12 +3,12 @@
 //! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
 //! convergence, with a search along parameters that gradients do not find.
 
-use breakaway_core::plant::effect::{Scale, Search};
+use breakaway_core::plant::effect::{Over, Scale, Search};
 use breakaway_core::plant::{Base, Effect, Kind, MAX_SUB_STEPS, Plant};
 use rayon::prelude::*;
 
-use super::data::Data;
-use super::decide::NAMING;
+use super::data::{Data, FIT_SEGMENT_S};
+use super::decide::{NAMING, paired};
 use super::screen::{Screen, Start, stroke};
 use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem, Segment};
 use crate::identify::track::median;
@@ -47,11 +47,15 @@ const BLIND_STARTS: usize = 24;
 const TRIAL_SEGMENTS: usize = 14;
 const TRIAL_ITERATIONS: usize = 2;
 const TRIAL_KEPT: usize = 3;
+const PERIODIC_KEPT: usize = 5;
 /// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
 const SLOW_SHARE: usize = 3;
 /// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
 /// forces, or as a ratio.
 const SEED_AMPLITUDE: f64 = 0.1;
+
+/// How far a wave number may be from a whole one to be taken for it.
+const WHOLE: f64 = 0.1;
 
 /// What became of an effect of the catalogue in one round.
 #[derive(Clone, Debug)]
@@ -192,7 +196,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         if let Ok(fit) = &mut t.fit
             && (share(fit) > COMPETITIVE || (t.kind.threshold() && !t.kind.remembers()))
         {
-            *fit = polished(&data, fit.clone(), share(fit) > CONTENDING);
+            *fit = polished(&data, fit.clone(), share(fit) > CONTENDING, rotary);
         }
     });
     Round { data, current, tried }
@@ -217,26 +221,52 @@ fn blind(kind: Kind) -> bool {
 
 fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
+    let problem = heat.data.over(&heat.segments);
+    let heated = |candidate: &Candidate| {
+        let free = Free::all(&candidate.effects);
+        problem.fit(candidate, &free, Some(&heat.current.initial), FIRST_ITERATIONS)
+    };
+    let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
+        // Few of the short segments hold what is looked for: the trial's would tell nothing.
+        let starts = chosen(kind, screen.starts(kind), 1);
+        let base = heat.current.candidate.base;
+        let beside = starts.into_iter().map(|start| Candidate { base, ..start.candidate });
+        return least(beside.filter_map(|candidate| heated(&candidate).ok()).collect()).ok_or(reason);
+    }
     let mut tries: Vec<Fit> = Vec::new();
     let trial = heat.data.over(&heat.trial);
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
     let share = if slow { SLOW_SHARE } else { 1 };
     for start in chosen(kind, screen.starts(kind), share) {
-        for candidate in variants(&start.candidate, &heat.current.candidate.base) {
-            match trial.fit(&candidate, &Free::all(&candidate.effects), Some(&heat.trial_initial), TRIAL_ITERATIONS) {
-                Ok(fit) => tries.push(fit),
+        let variants = variants(&start.candidate, &heat.current.candidate.base);
+        let fits = variants.iter().map(|candidate| {
+            trial.fit(candidate, &without_wave_number(candidate), Some(&heat.trial_initial), TRIAL_ITERATIONS)
+        });
+        // One of each start goes on: what is far apart (wave numbers, thresholds) is not told apart by two steps.
+        let mut best: Option<Fit> = None;
+        for fit in fits {
+            match fit {
+                Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
+                Ok(_) => (),
                 Err(error) => reason = error.to_string(),
             }
         }
+        tries.extend(best);
     }
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let problem = heat.data.over(&heat.segments);
-    tries
-        .into_iter()
-        .take(TRIAL_KEPT.div_ceil(share))
-        .filter_map(|fit| problem.fit(&fit.candidate, &fit.free, Some(&heat.current.initial), FIRST_ITERATIONS).ok())
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .ok_or(reason)
+    let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
+    let tries = tries.into_iter().take(kept.div_ceil(share));
+    least(tries.filter_map(|fit| heated(&fit.candidate).ok()).collect()).ok_or(reason)
+}
+
+/// All that is free but the wave number of the last effect: few segments do not give it as well as the spectrum of all.
+fn without_wave_number(candidate: &Candidate) -> Vec<Free> {
+    let j = candidate.effects.len() - 1;
+    let parameters = candidate.effects[j].kind.definition().parameters;
+    let mut free = Free::all(&candidate.effects);
+    free.retain(|free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_))));
+    free
 }
 
 /// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one
@@ -345,12 +375,35 @@ pub fn converged(data: &Data, fit: &Fit) -> Fit {
     best
 }
 
+/// A ripple along the angle of a shaft has whole waves in a turn: where the nearest whole number does as well, it is that.
+fn in_whole_waves(data: &Data, fit: Fit) -> Fit {
+    let j = fit.candidate.effects.len() - 1;
+    let parameters = fit.candidate.effects[j].kind.definition().parameters;
+    let wave = parameters.iter().position(|p| {
+        matches!(p.search, Search::Spectrum(Over::Position | Over::PositionAndDirection))
+    });
+    let Some(i) = wave else { return fit };
+    let mut candidate = fit.candidate.clone();
+    let n = candidate.effects[j].p[i];
+    candidate.effects[j].p[i] = n.round();
+    // One wave in a turn is the gravity load's.
+    if (n - n.round()).abs() > WHOLE || n.round() < 2.0 {
+        return fit;
+    }
+    let held: Vec<Free> = fit.free.iter().copied().filter(|free| *free != Free::Effect(j, i)).collect();
+    match data.problem().fit(&candidate, &held, Some(&fit.initial), LAST_ITERATIONS) {
+        Ok(whole) if paired(&whole.mse, &fit.mse, &fit.samples, data.floor()).lambda < NAMING.price => whole,
+        _ => fit,
+    }
+}
+
 /// Form refined; for a contender iterated to the end, and thresholds searched.
-fn polished(data: &Data, fit: Fit, contender: bool) -> Fit {
+fn polished(data: &Data, fit: Fit, contender: bool, rotary: bool) -> Fit {
     let problem = data.problem();
     let last = fit.candidate.effects.len() - 1;
     let fit = if contender { converged(data, &fit) } else { fit };
     let fit = refined(&problem, fit, last);
+    let fit = if rotary { in_whole_waves(data, fit) } else { fit };
     // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
     let kind = fit.candidate.effects[last].kind;
     if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::candidates::{self, Round};
-use super::data::Data;
+use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::decide::paired;
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
@@ -81,18 +81,38 @@ pub struct Request {
 
 /// Finds what the model misses. `progress` is told what is being done.
 ///
+/// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
+///
 /// # Errors
 /// [`DiscoverError`].
 pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
+    let mut found = within(request, FIT_SEGMENT_S, progress)?;
+    if found.verdict == Verdict::Unknown {
+        progress("looking again over shorter segments");
+        match within(request, SHORT_SEGMENT_S, progress) {
+            Ok(mut short) if !short.effects.is_empty() => {
+                short.remarks.push(format!(
+                    "no model follows the motion over {FIT_SEGMENT_S} s: fitted and scored over segments of {SHORT_SEGMENT_S} s"
+                ));
+                found = short;
+            }
+            _ => (),
+        }
+    }
+    found.seconds = began.elapsed().as_secs_f64();
+    Ok(found)
+}
+
+/// The chain over segments of one length.
+fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let units = same_units(request)?;
     progress("preparing the recordings");
-    let data = Data::new(&request.recordings, &request.holdout);
+    let data = Data::new(&request.recordings, &request.holdout, segment_s);
     if data.fit.len() < 3 || data.score.is_empty() {
-        return Err(DiscoverError::TooShort(super::data::FIT_SEGMENT_S));
+        return Err(DiscoverError::TooShort(segment_s));
     }
-    let identified = estimate::identify(&request.recordings)?;
-    let start = starting_model(request, &identified)?;
+    let (start, mut remarks) = starting_model(request)?;
     progress("fitting the base model");
     let mut current = candidates::fit_softly(&data, &start, BASE_ITERATIONS)
         .map_err(|error| DiscoverError::Base(error.to_string()))?;
@@ -105,7 +125,6 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
     let base_gap = Gap::of(&data, &current);
     let mut gap = base_gap;
-    let mut remarks = identified.remarks;
     while named.len() < MAX_ADDED && (named.is_empty() || !gap.only_outliers()) {
         progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
         let Some(screen) = Screen::of_all_widths(&data, &current.candidate) else { break };
@@ -203,7 +222,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         remarks,
         units,
         segments: (data.fit.len() + data.score.len(), data.available),
-        seconds: began.elapsed().as_secs_f64(),
+        seconds: 0.0,
         provenance: request.provenance.clone(),
     })
 }
@@ -223,15 +242,25 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
     }
 }
 
-fn starting_model(request: &Request, identified: &estimate::Identified) -> Result<Candidate, DiscoverError> {
+/// The model to start from, and what identifying it from the recordings had to say.
+fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), DiscoverError> {
+    let identified = match (estimate::identify(&request.recordings), &request.model) {
+        (Ok(identified), _) => identified,
+        (Err(error), Some(model)) if error.base_only() => {
+            return Ok((model.clone(), vec![format!("the recordings alone do not give a base model ({error}): the given one is used")]));
+        }
+        (Err(error), _) => return Err(error.into()),
+    };
     let best = &identified.best;
     let base = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
-    let Some(model) = &request.model else { return Ok(Candidate { base, effects: Vec::new() }) };
+    // What is missing is said below, and better.
+    let remarks = identified.remarks.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect();
+    let Some(model) = &request.model else { return Ok((Candidate { base, effects: Vec::new() }, remarks)) };
     let factor = (model.base.b / base.b).max(base.b / model.base.b);
     if factor > UNITS_FACTOR {
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
-    Ok(Candidate { base, effects: model.effects.clone() })
+    Ok((Candidate { base, effects: model.effects.clone() }, remarks))
 }
 
 fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {

@@ -92,7 +92,8 @@ pub enum IdentifyError {
     /// The axis does not move, or too briefly.
     #[error(
         "the recordings hold too little motion to identify from ({windows} windows in motion, at least 12 are needed): \
-         drive the axis harder or record for longer; a relay experiment with h2 above the break-away force does it"
+         drive the axis harder or record for longer; a relay experiment with h2 above the break-away force does it. If it did \
+         move, check that --input and --position are not swapped"
     )]
     TooLittleMotion {
         /// Windows in motion.
@@ -128,6 +129,13 @@ pub enum IdentifyError {
         /// Root mean square of the drive that is not explained, % of the drive's.
         percent: f64,
     },
+}
+
+impl IdentifyError {
+    /// Whether the recordings may be good to look for an effect in, if only the base model is known from elsewhere.
+    pub const fn base_only(&self) -> bool {
+        matches!(self, Self::Undetermined { .. } | Self::NegativeFriction { .. })
+    }
 }
 
 /// Identifies (b, c, f1) and a constant load from recordings of one session.
