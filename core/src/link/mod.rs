@@ -46,7 +46,7 @@ pub const FULL_SCALE_CODE: i16 = i16::MAX;
 pub const SCHEMA: u32 = fnv1a(include_bytes!("golden.txt"));
 
 /// FNV-1a, 32 bits.
-const fn fnv1a(bytes: &[u8]) -> u32 {
+pub(crate) const fn fnv1a(bytes: &[u8]) -> u32 {
     let mut hash = 0x811c_9dc5_u32;
     let mut i = 0;
     while i < bytes.len() {

@@ -5,6 +5,7 @@
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
 
 mod definition;
+mod limits;
 
 pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
 
