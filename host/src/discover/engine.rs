@@ -244,13 +244,7 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
 
 /// The model to start from, and what identifying it from the recordings had to say.
 fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), DiscoverError> {
-    let identified = match (estimate::identify(&request.recordings), &request.model) {
-        (Ok(identified), _) => identified,
-        (Err(error), Some(model)) if error.base_only() => {
-            return Ok((model.clone(), vec![format!("the recordings alone do not give a base model ({error}): the given one is used")]));
-        }
-        (Err(error), _) => return Err(error.into()),
-    };
+    let identified = estimate::identify(&request.recordings)?;
     let best = &identified.best;
     let base = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
     // What is missing is said below, and better.

@@ -131,13 +131,6 @@ pub enum IdentifyError {
     },
 }
 
-impl IdentifyError {
-    /// Whether the recordings may be good to look for an effect in, if only the base model is known from elsewhere.
-    pub const fn base_only(&self) -> bool {
-        matches!(self, Self::Undetermined { .. } | Self::NegativeFriction { .. })
-    }
-}
-
 /// Identifies (b, c, f1) and a constant load from recordings of one session.
 ///
 /// # Errors
