@@ -11,6 +11,7 @@ use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
 use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, ParameterValue, Provenance, Rung, Verdict};
 use super::ranking::{better, preference, rivals, simpler_laws, table};
+use super::refit;
 use super::screen::Screen;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
@@ -114,8 +115,8 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
     }
     let (start, mut remarks) = starting_model(request)?;
     progress("fitting the base model");
-    let mut current = candidates::fit_softly(&data, &start, BASE_ITERATIONS)
-        .map_err(|error| DiscoverError::Base(error.to_string()))?;
+    let mut current =
+        refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
     let base_fit = current.clone();
     let rotary = matches!(units.x.as_str(), "rad" | "x");
     let mut ladder = vec![rung(&data, &current)];
@@ -132,7 +133,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let order = preference(&judged, &without, &tried, named.is_empty());
         let accepted = order.iter().copied().find_map(|index| {
-            let fit = candidates::settled(&data, candidates::converged(&judged, tried[index].fit.as_ref().ok()?));
+            let fit = refit::settled(&data, refit::converged(&judged, tried[index].fit.as_ref().ok()?));
             let after = Gap::of(&data, &fit);
             let Some(reason) = gap.refuses(&after) else { return Some((index, fit, after)) };
             remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
@@ -163,7 +164,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
         for j in 0..named.len() - 1 {
             let place = start.effects.len() + j;
-            if let Some(other) = candidates::replaced(&judged, &current, place, &simpler[j])
+            if let Some(other) = refit::replaced(&judged, &current, place, &simpler[j])
                 && !better(
                     &paired(&other.mse, &current.mse, &current.samples, judged.floor()),
                     current.free.len().saturating_sub(other.free.len()),
@@ -267,7 +268,8 @@ fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
             unit: unit(p.unit, units),
             meaning: p.meaning,
             value: effect.p[i],
-            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(f64::NAN),
+            // What is held, a whole number of waves, has no error.
+            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0),
         })
         .collect()
 }
@@ -277,7 +279,7 @@ fn model_se(fit: &Fit) -> Vec<Vec<f64>> {
     effects
         .map(|(j, effect)| {
             let count = effect.kind.definition().parameters.len();
-            (0..count).map(|i| fit.standard_error(Free::Effect(j, i)).unwrap_or(f64::NAN)).collect()
+            (0..count).map(|i| fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0)).collect()
         })
         .collect()
 }
