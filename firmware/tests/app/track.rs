@@ -139,7 +139,7 @@ fn an_s_curve_is_the_one_of_its_limits() {
     let samples = run(track(trajectory, pid(), true), Mode::Track);
     let first = samples[0].tick;
     for sample in &samples {
-        let expected = (profile.at((sample.tick - first) as u32).x / STEP).round() as i32;
+        let expected = (profile.at(sample.tick - first).x / STEP).round() as i32;
         assert!((sample.reference - expected).abs() <= 1, "{sample:?}: {expected}");
     }
     // Both ways in 4 s, and the axis with it: at rest it is where it was sent, to two counts.

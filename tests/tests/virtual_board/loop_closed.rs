@@ -101,7 +101,8 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
     let model = folder.path().join("model.toml");
     papers_plant().write(&model).unwrap();
     let file = folder.path().join("reference.csv").display().to_string();
-    let rows: String = (0..20).map(|k| format!("{},{}\n", 0.1 * f64::from(k), 0.01 * f64::from(k))).collect();
+    let rows: String =
+        (0..20).fold(String::new(), |rows, k| rows + &format!("{},{}\n", 0.1 * f64::from(k), 0.01 * f64::from(k)));
     std::fs::write(&file, format!("t,x\n{rows}")).unwrap();
     let board = start(&options(&papers_plant()));
     for (reference, part) in [

@@ -30,7 +30,7 @@ impl Problem<'_> {
         let mended: Vec<(usize, Start)> = mse
             .par_iter()
             .enumerate()
-            .filter(|(_, mse)| !(**mse <= bound))
+            .filter(|(_, mse)| mse.is_nan() || **mse > bound)
             .filter_map(|(i, mse)| Some((i, self.freed(candidate, self.segments[i], states[i], smoothed[i], *mse)?)))
             .collect();
         for (i, start) in &mended {
@@ -49,7 +49,7 @@ impl Problem<'_> {
         for _ in 0..STEPS {
             let Some(next) = self.start_step(&normal, segment, best, 0, 1e-3) else { break };
             let stepped = self.normal_any(candidate, &[], segment, next);
-            if !(stepped.mse < normal.mse) {
+            if stepped.mse.is_nan() || stepped.mse >= normal.mse {
                 break;
             }
             (best, normal) = (next, stepped);
