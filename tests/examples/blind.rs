@@ -45,8 +45,7 @@ fn asked() -> Vec<Asked> {
                 let drawn: Vec<String> = (0..pairs).map(|i| pair(seed, i)).collect();
                 let named = effects.split(',').map(str::to_owned).filter(|_| pairs == 0);
                 for name in named.chain(drawn) {
-                    let hidden =
-                        if name == "none" { Vec::new() } else { name.split('+').map(str::to_owned).collect() };
+                    let hidden = if name == "none" { Vec::new() } else { name.split('+').map(str::to_owned).collect() };
                     all.push(Asked { experiment, hidden, size, seed });
                 }
             }
@@ -101,7 +100,8 @@ fn main() {
         return println!("{}", table::markdown(&known));
     }
     let mut output = file.map(|f| {
-        let mut open = OpenOptions::new().create(true).append(true).open(f).expect("the file of rows cannot be written");
+        let mut open =
+            OpenOptions::new().create(true).append(true).open(f).expect("the file of rows cannot be written");
         if text.is_empty() {
             let _ = writeln!(open, "{HEADER}");
         }

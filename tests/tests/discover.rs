@@ -97,9 +97,8 @@ fn measured(file: &str, input: &str, position: &str) -> Option<Recording> {
     Some(Recording::read(&measured_data()?.join(file), &options).unwrap())
 }
 
-/// EMPS: the direction-asymmetric friction is named, and Stribeck, drag and delay are not. The open-loop error over 1 s of the
-/// base, fitted to two thirds by least squares and scored on the last, is 5.25 mm; the prototype fitted and scored the whole
-/// record (4.4). 0.9 mm guards the 0.84 mm reached now, and is not the 0.42 mm that the project asks for.
+/// EMPS: the direction-asymmetric friction is named, and Stribeck, drag and delay are not. The open-loop error over 1 s on the
+/// last third, which is not fitted, falls from 3.60 to 0.384 mm; the issue asks for 0.42 mm.
 #[test]
 fn emps_misses_asymmetric_friction() {
     let Some(recording) = measured("emps/emps_train.csv", "u_V", "x_m") else { return };
@@ -108,8 +107,8 @@ fn emps_misses_asymmetric_friction() {
     assert!(names.contains(&"asymmetric_viscous"), "{names:?}");
     assert!(names.iter().all(|n| ["asymmetric_viscous", "constant_load"].contains(n)), "{names:?}");
     let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
-    assert!((4.0e-3..6.0e-3).contains(&first.holdout_open_loop_rmse), "{first:?}");
-    assert!(last.holdout_open_loop_rmse < 0.9e-3, "{last:?}");
+    assert!((3.0e-3..4.5e-3).contains(&first.holdout_open_loop_rmse), "{first:?}");
+    assert!(last.holdout_open_loop_rmse < 0.42e-3, "{last:?}");
 }
 
 /// The motor with cogging, recorded at up to 150 rad/s with a jittered clock: whatever is named, nothing is "explained".

@@ -18,8 +18,9 @@ const RATCHET: f64 = 1.03;
 /// Instructions are counted by QEMU: each takes 2¹⁰ ns of its time, so that SysTick resolves them.
 const ICOUNT: &str = "shift=10,sleep=off";
 
-/// What may not be exceeded, whatever was recorded (name, limit, unit). Flash has no limit here, only the ratchet: the
-/// virtual board's image is optimised for speed, and the flashable board's 64 KiB are not reached yet.
+/// What may not be exceeded, whatever was recorded (name, limit, unit). Ticks are those of the profile that is flashed.
+/// Flash has no limit here, only the ratchet: the virtual board's image is optimised for speed, and the flashable board's
+/// 64 KiB are not reached.
 const LIMITS: [(&str, u64, &str); 4] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),

@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `fleet-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `loops`, `fleet-test`.
 
 mod bench;
 mod budget;
@@ -8,6 +8,7 @@ mod debian;
 mod fleet;
 mod fuzz;
 mod image;
+mod loops;
 mod report;
 mod run;
 mod setup;
@@ -53,6 +54,8 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Close the loop on the virtual board for every effect of docs/control.md, and print its table
+    Loops,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Task::Bench { peers: false, .. } => bench::all(),
         Task::Bench { peers: true, only } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
+        Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),
     };
     match result {

@@ -18,7 +18,8 @@ pub use settings::{Adaptation, AdaptiveError, Estimates};
 
 use super::fast::Fast;
 use super::trajectory::Setpoint;
-use super::tuning::{Gains, TuningError};
+use super::tuning::{Gains, ROUNDING, TuningError};
+use crate::scalar::Real;
 
 /// Configuration of the adaptive controller. In Q32 a gain times the tick has steps of 2.3e-10, and below that is 0.
 #[derive(Clone, Copy, Debug)]
@@ -79,24 +80,25 @@ impl<R: Fast> Adaptive<R> {
     ///
     /// # Errors
     /// [`AdaptiveError`] names what is out of range, with the largest allowed gain.
-    pub fn new(
-        gains: &Gains,
-        adaptation: &Adaptation,
-        start: &Estimates<f64>,
-        tick_s: f64,
+    pub fn new<F: Real>(
+        gains: &Gains<F>,
+        adaptation: &Adaptation<F>,
+        start: &Estimates<F>,
+        tick_s: F,
         delay_ticks: u32,
-        limit: f64,
+        limit: F,
     ) -> Result<Self, AdaptiveError> {
         gains.check(tick_s, delay_ticks).map_err(AdaptiveError::Gains)?;
-        if limit.is_nan() || limit <= 0.0 {
+        let drives = limit > F::ZERO;
+        if !drives {
             return Err(AdaptiveError::Gains(TuningError::Limit));
         }
         let Adaptation { gains: k, sigma, delta, b_min, pid_inside, speed, acceleration } = *adaptation;
-        let known = |value: f64| value.is_finite() && value >= 0.0;
-        if !(delta.is_finite() && delta > 0.0) {
+        let known = |value: F| value.is_finite() && value >= F::ZERO;
+        if !(delta.is_finite() && delta > F::ZERO) {
             return Err(AdaptiveError::Delta);
         }
-        if !(known(sigma) && sigma * k.f * tick_s <= 1.0) {
+        if !(known(sigma) && sigma * k.f * tick_s <= F::ONE) {
             return Err(AdaptiveError::Sigma);
         }
         if !known(b_min) {
@@ -109,30 +111,33 @@ impl<R: Fast> Adaptive<R> {
             return Err(AdaptiveError::Motion);
         }
         // |φ|·√(k/b)·Ts ≤ 0.1.
-        let largest = |phi: f64| gains.b * (0.1 / (phi.max(1e-12) * tick_s)) * (0.1 / (phi.max(1e-12) * tick_s));
-        let within = |value: f64, phi: f64| known(value) && value <= largest(phi) * (1.0 + 1e-9);
+        let largest = |phi: F| {
+            let rate = F::from_f64(0.1) / (phi.max(F::from_f64(1e-12)) * tick_s);
+            gains.b * rate * rate
+        };
+        let within = |value: F, phi: F| known(value) && value <= largest(phi).scale(ROUNDING);
         if !within(k.b, acceleration) {
-            return Err(AdaptiveError::B { largest: largest(acceleration) });
+            return Err(AdaptiveError::B { largest: largest(acceleration).to_f64() });
         }
         if !within(k.c, speed) {
-            return Err(AdaptiveError::C { largest: largest(speed) });
+            return Err(AdaptiveError::C { largest: largest(speed).to_f64() });
         }
-        if !within(k.f1, 1.0) {
-            return Err(AdaptiveError::F1 { largest: largest(1.0) });
+        if !within(k.f1, F::ONE) {
+            return Err(AdaptiveError::F1 { largest: largest(F::ONE).to_f64() });
         }
-        if !within(k.f, 1.0) {
-            return Err(AdaptiveError::F { largest: largest(1.0) });
+        if !within(k.f, F::ONE) {
+            return Err(AdaptiveError::F { largest: largest(F::ONE).to_f64() });
         }
-        let real = R::from_f64;
+        let real = |value: F| R::from_f64(value.to_f64());
         Ok(Self {
             lambda1: real(gains.lambda1),
             lambda2: real(gains.lambda2),
             kv: real(gains.kv),
-            kv_inside: real(if pid_inside { gains.kv } else { 0.0 }),
+            kv_inside: real(if pid_inside { gains.kv } else { F::ZERO }),
             delta: real(delta),
-            per_delta: real(1.0 / delta),
+            per_delta: real(F::ONE / delta),
             tick: real(tick_s),
-            per_tick: real(1.0 / tick_s),
+            per_tick: real(F::ONE / tick_s),
             alpha: real(tick_s / (gains.filter_s + tick_s)),
             steps: Estimates {
                 b: real(k.b * tick_s),

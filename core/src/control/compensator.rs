@@ -11,6 +11,7 @@ use super::term::{Sum, Term};
 use super::trajectory::Setpoint;
 use crate::plant::effect::{Effect, Kind};
 use crate::plant::{Base, MAX_EFFECTS, PlantError};
+use crate::scalar::Real;
 
 /// Why a model cannot be compensated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,14 +66,14 @@ impl<R: Fast> Compensator<R> {
     ///
     /// # Errors
     /// [`CompensatorError`].
-    pub fn new(base: &Base<f64>, effects: &[Effect<f64>]) -> Result<Self, CompensatorError> {
+    pub fn new<F: Real>(base: &Base<F>, effects: &[Effect<F>]) -> Result<Self, CompensatorError> {
         let checked = Base::new(base.b, base.c, base.f1).map_err(CompensatorError::Base)?;
         if effects.len() > MAX_EFFECTS {
             return Err(CompensatorError::TooManyEffects);
         }
         let mut terms = [Term::Nothing; MAX_EFFECTS];
         let (mut used, mut path_used) = (0, 0);
-        let mut load_friction = 0.0;
+        let mut load_friction = F::ZERO;
         for effect in effects {
             if effect.p.iter().any(|p| !p.is_finite()) {
                 return Err(CompensatorError::Parameter(effect.kind));
@@ -97,8 +98,9 @@ impl<R: Fast> Compensator<R> {
                 *slot = term;
             }
         }
-        let load = if load_friction == 0.0 { Term::Nothing } else { Term::load(load_friction) };
-        let base = Base { b: R::from_f64(base.b), c: R::from_f64(base.c), f1: R::from_f64(base.f1) };
+        let load = if load_friction == F::ZERO { Term::Nothing } else { Term::load(load_friction) };
+        let real = |value: F| R::from_f64(value.to_f64());
+        let base = Base { b: real(base.b), c: real(base.c), f1: real(base.f1) };
         Ok(Self {
             base,
             terms,
@@ -144,7 +146,7 @@ impl<R: Fast> Compensator<R> {
 
     /// The effects of `effects` that this compensator leaves out, as the catalogue has no compensation for them.
     pub fn leaves_out(effects: &[Effect<f64>]) -> impl Iterator<Item = Kind> + '_ {
-        effects.iter().map(|effect| effect.kind).filter(|kind| kind.definition().compensation.is_none())
+        effects.iter().map(|effect| effect.kind).filter(|kind| !kind.compensated())
     }
 
     fn terms(&self) -> impl Iterator<Item = &Term<R>> {

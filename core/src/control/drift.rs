@@ -20,6 +20,7 @@ use super::compensator::Compensator;
 use super::fast::Fast;
 use crate::plant::Base;
 use crate::plant::effect::Effect;
+use crate::scalar::Real;
 
 /// Bins of position.
 pub const BINS: usize = 16;
@@ -163,19 +164,19 @@ impl<R: Fast> DriftWatch<R> {
     ///
     /// # Errors
     /// [`DriftError`] names the parameter.
-    pub fn new(
-        base: &Base<f64>,
-        effects: &[Effect<f64>],
-        settings: &DriftSettings,
-        tick_s: f64,
+    pub fn new<F: Real>(
+        base: &Base<F>,
+        effects: &[Effect<F>],
+        settings: &DriftSettings<F>,
+        tick_s: F,
     ) -> Result<Self, DriftError> {
         let model = Compensator::new(base, effects).map_err(DriftError::Model)?;
-        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let positive = |value: F| value.is_finite() && value > F::ZERO;
         if !positive(tick_s) {
             return Err(DriftError::Tick);
         }
         let DriftSettings { bandwidth_rad_s, rest_speed, calibration, slack, threshold, smallest_scale } = *settings;
-        if !(positive(bandwidth_rad_s) && bandwidth_rad_s * tick_s <= 0.5) {
+        if !(positive(bandwidth_rad_s) && bandwidth_rad_s * tick_s <= F::from_f64(0.5)) {
             return Err(DriftError::Bandwidth);
         }
         if !positive(rest_speed) {
@@ -190,30 +191,33 @@ impl<R: Fast> DriftWatch<R> {
         if !positive(smallest_scale) {
             return Err(DriftError::Scale);
         }
-        let pole = libm::exp(-bandwidth_rad_s * tick_s);
-        let l2 = (1.0 - pole) * (1.0 - pole);
-        let block = libm::ceil(3.0 / (bandwidth_rad_s * tick_s)).min(1e9);
-        let real = R::from_f64;
+        let pole = (-bandwidth_rad_s * tick_s).exp();
+        let l2 = (F::ONE - pole) * (F::ONE - pole);
+        let ticks = |time_constants: f64| {
+            libm::ceil((F::from_f64(time_constants) / (bandwidth_rad_s * tick_s)).to_f64()).min(1e9) as u32
+        };
+        let block = ticks(3.0);
+        let real = |value: F| R::from_f64(value.to_f64());
         Ok(Self {
             model,
             tick: real(tick_s),
-            half_tick: real(0.5 * tick_s),
-            per_b: real(1.0 / base.b),
-            l1: real(1.0 - pole * pole),
+            half_tick: real(tick_s.scale(0.5)),
+            per_b: real(F::ONE / base.b),
+            l1: real(F::ONE - pole * pole),
             l2: real(l2 / tick_s),
             force: real(base.b * l2 / (tick_s * tick_s)),
-            block: block as u32,
-            per_block: real(1.0 / block),
-            settle: libm::ceil(5.0 / (bandwidth_rad_s * tick_s)).min(1e9) as u32,
+            block,
+            per_block: R::from_f64(1.0 / f64::from(block)),
+            settle: ticks(5.0),
             rest_speed: real(rest_speed),
             calibration,
-            per_calibration: real(1.0 / f64::from(calibration)),
+            per_calibration: R::from_f64(1.0 / f64::from(calibration)),
             slack: real(slack),
             threshold: real(threshold),
             smallest_scale: real(smallest_scale),
-            cut: real(CUT),
-            per_bins: real(1.0 / BINS as f64),
-            per_memory: real(0.25),
+            cut: R::from_f64(CUT),
+            per_bins: R::from_f64(1.0 / BINS as f64),
+            per_memory: R::from_f64(0.25),
         })
     }
 

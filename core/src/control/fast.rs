@@ -19,9 +19,42 @@ pub trait Fast: Real {
     /// sin(2π·self): the sine of an angle in turns. For |self| < 2³¹.
     #[must_use]
     fn sin_turns(self) -> Self;
+    /// sin(2π·self) and cos(2π·self).
+    #[must_use]
+    #[inline]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        (self.sin_turns(), (self + Self::ONE.scale(0.25)).sin_turns())
+    }
     /// e^self for self ≤ 0; 0 below −80.
     #[must_use]
     fn exp_negative(self) -> Self;
+}
+
+/// −½..½ of a turn: what is beyond the nearest whole one.
+#[inline]
+fn fraction(turns: f32) -> f32 {
+    // The cast truncates and saturates, and never panics.
+    let whole = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i32;
+    turns - whole as f32
+}
+
+/// sin(π − x) = sin x folds ±½ turn to ±¼.
+#[inline]
+fn folded(r: f32) -> f32 {
+    if r > 0.25 {
+        0.5 - r
+    } else if r < -0.25 {
+        -0.5 - r
+    } else {
+        r
+    }
+}
+
+/// The Taylor series in turns, |r| ≤ ¼, to the 11th power: the next term is 6e-8 at ¼ turn.
+#[inline]
+fn sine_of_quarter(r: f32) -> f32 {
+    let q = r * r;
+    r * (6.283_185_5 + q * (-41.341_7 + q * (81.605_25 + q * (-76.705_86 + q * (42.058_693 + q * -15.094_643)))))
 }
 
 impl Fast for f32 {
@@ -33,20 +66,14 @@ impl Fast for f32 {
     }
 
     fn sin_turns(self) -> Self {
-        // Nearest whole turn: the cast truncates and saturates, and never panics.
-        let whole = (self + if self < 0.0 { -0.5 } else { 0.5 }) as i32;
-        let r = self - whole as Self;
-        // sin(π − x) = sin x folds ±½ turn to ±¼.
-        let r = if r > 0.25 {
-            0.5 - r
-        } else if r < -0.25 {
-            -0.5 - r
-        } else {
-            r
-        };
-        // The Taylor series in turns to the 11th power: the next term is 6e-8 at ¼ turn.
-        let q = r * r;
-        r * (6.283_185_5 + q * (-41.341_7 + q * (81.605_25 + q * (-76.705_86 + q * (42.058_693 + q * -15.094_643)))))
+        sine_of_quarter(folded(fraction(self)))
+    }
+
+    #[inline]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        let r = fraction(self);
+        // cos x = sin(π/2 − |x|) is within the quarter already.
+        (sine_of_quarter(folded(r)), sine_of_quarter(0.25 - r.abs()))
     }
 
     fn exp_negative(self) -> Self {
@@ -109,6 +136,10 @@ mod tests {
             let turns = i as f32 / 200_000.0;
             let exact = libm::sin(core::f64::consts::TAU * f64::from(turns));
             sine = sine.max((f64::from(turns.sin_turns()) - exact).abs());
+            let (sin, cos) = turns.sin_cos_turns();
+            assert_eq!(sin, turns.sin_turns());
+            let exact = libm::cos(core::f64::consts::TAU * f64::from(turns));
+            sine = sine.max((f64::from(cos) - exact).abs());
             if turns <= 0.0 {
                 let x = 79.0 * turns;
                 let exact = libm::exp(f64::from(x));

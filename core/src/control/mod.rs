@@ -37,5 +37,5 @@ pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWat
 pub use fast::Fast;
 pub use margins::{Margins, margins};
 pub use pid::{Pid, PidState};
-pub use trajectory::{Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
+pub use trajectory::{Phases, Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
 pub use tuning::{Gains, TuningError, largest_bandwidth_hz, largest_rate, tune};

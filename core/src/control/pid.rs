@@ -3,6 +3,7 @@
 use super::fast::Fast;
 use super::trajectory::Setpoint;
 use super::tuning::{Gains, TuningError};
+use crate::scalar::Real;
 
 /// Configuration of the PID.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,7 @@ impl<R: Fast> Pid<R> {
     ///
     /// # Errors
     /// [`TuningError`], with the largest allowed rate.
-    pub fn new(gains: &Gains, tick_s: f64, limit: f64) -> Result<Self, TuningError> {
+    pub fn new<F: Real>(gains: &Gains<F>, tick_s: F, limit: F) -> Result<Self, TuningError> {
         Self::with_delay(gains, tick_s, 1, limit)
     }
 
@@ -47,18 +48,20 @@ impl<R: Fast> Pid<R> {
     ///
     /// # Errors
     /// [`TuningError`], with the largest allowed rate.
-    pub fn with_delay(gains: &Gains, tick_s: f64, delay_ticks: u32, limit: f64) -> Result<Self, TuningError> {
+    pub fn with_delay<F: Real>(gains: &Gains<F>, tick_s: F, delay_ticks: u32, limit: F) -> Result<Self, TuningError> {
         gains.check(tick_s, delay_ticks)?;
-        if limit.is_nan() || limit <= 0.0 {
+        let drives = limit > F::ZERO;
+        if !drives {
             return Err(TuningError::Limit);
         }
         let k = gains.b * gains.kv;
+        let real = |value: F| R::from_f64(value.to_f64());
         Ok(Self {
-            proportional: R::from_f64(k * gains.lambda2),
-            integral: R::from_f64(k * gains.lambda1 * tick_s),
-            derivative: R::from_f64(k / tick_s),
-            alpha: R::from_f64(tick_s / (gains.filter_s + tick_s)),
-            limit: R::from_f64(limit),
+            proportional: real(k * gains.lambda2),
+            integral: real(k * gains.lambda1 * tick_s),
+            derivative: real(k / tick_s),
+            alpha: real(tick_s / (gains.filter_s + tick_s)),
+            limit: real(limit),
             rest_band: R::ZERO,
         })
     }

@@ -3,6 +3,7 @@
 
 use super::fast::Fast;
 use crate::plant::effect::{Effect, Kind};
+use crate::scalar::Real;
 
 const TURNS_PER_RADIAN: f64 = 1.0 / core::f64::consts::TAU;
 
@@ -42,44 +43,44 @@ pub(super) struct Sum<R> {
 
 impl<R: Fast> Term<R> {
     /// The effect's term; `None` if the catalogue says that it cannot be compensated.
-    pub fn new(effect: &Effect<f64>, f1: f64) -> Option<Self> {
-        effect.kind.definition().compensation?;
+    pub fn new<F: Real>(effect: &Effect<F>, f1: F) -> Option<Self> {
+        if !effect.kind.compensated() {
+            return None;
+        }
         let p = effect.p;
-        let real = R::from_f64;
+        let real = |value: F| R::from_f64(value.to_f64());
+        let turns = |radians: F| real(radians.scale(TURNS_PER_RADIAN));
+        let turn = |radians: F| R::from_f64(turn(radians.to_f64()));
         Some(match effect.kind {
             Kind::ConstantLoad => Self::Linear { constant: real(p[0]), linear: R::ZERO },
             Kind::Spring => Self::Linear { constant: real(-p[0] * p[1]), linear: real(p[0]) },
             Kind::AsymmetricViscous => Self::Drag { by_speed: real(p[0]), by_square: R::ZERO },
             Kind::QuadraticDrag => Self::Drag { by_speed: R::ZERO, by_square: real(p[0]) },
-            Kind::Cogging => Self::Ripple {
-                turns: real(p[1] * TURNS_PER_RADIAN),
-                first: [real(-p[0]), real(turn(p[2]))],
-                second: [real(-p[3]), real(turn(p[4]))],
-            },
+            Kind::Cogging => {
+                Self::Ripple { turns: turns(p[1]), first: [real(-p[0]), turn(p[2])], second: [real(-p[3]), turn(p[4])] }
+            }
             Kind::GravityLoad => Self::Ripple {
-                turns: real(TURNS_PER_RADIAN),
-                first: [real(-p[0]), real(turn(p[1]))],
+                turns: R::from_f64(TURNS_PER_RADIAN),
+                first: [real(-p[0]), turn(p[1])],
                 second: [R::ZERO; 2],
             },
             Kind::Stribeck => Self::Stribeck {
                 s: real(p[0]),
-                per_vs: real(1.0 / p[1]),
-                p: if p[2] == 2.0 { None } else { Some(real(p[2])) },
+                per_vs: real(F::ONE / p[1]),
+                p: if p[2] == F::ONE + F::ONE { None } else { Some(real(p[2])) },
             },
-            Kind::PositionFriction => {
-                Self::Wave { amplitude: real(f1 * p[0]), turns: real(p[1] * TURNS_PER_RADIAN), phase: real(turn(p[2])) }
-            }
+            Kind::PositionFriction => Self::Wave { amplitude: real(f1 * p[0]), turns: turns(p[1]), phase: turn(p[2]) },
             Kind::LoadFriction => Self::load(p[0]),
             Kind::DeadZone => {
                 // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long
                 // as the band is below the break-away force the axis rests there anyway.
-                let band = (0.5 * f1).max(0.1 * p[0]).max(1e-9);
-                Self::DeadZone { d: real(p[0]), per_band: real(1.0 / band) }
+                let band = f1.scale(0.5).max(p[0].scale(0.1)).max(F::from_f64(1e-9));
+                Self::DeadZone { d: real(p[0]), per_band: real(F::ONE / band) }
             }
             Kind::PwmDeadTime => {
                 let [d, i0, ke, ..] = p;
                 // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
-                let edge = (i0 - d).max(0.1 * i0).max(1e-9);
+                let edge = (i0 - d).max(i0.scale(0.1)).max(F::from_f64(1e-9));
                 Self::DeadTime { d: real(d), edge: real(edge), gain: real(d / edge), ke: real(ke) }
             }
             _ => return None,
@@ -87,9 +88,10 @@ impl<R: Fast> Term<R> {
     }
 
     /// Friction `k·|u|`. At k = 1 no drive moves the axis: the inverse is bounded.
-    pub fn load(k: f64) -> Self {
-        let inverse = |x: f64| R::from_f64(if x > 0.05 { 1.0 / x } else { 20.0 });
-        Self::Load { with: inverse(1.0 - k), against: inverse(1.0 + k) }
+    pub fn load<F: Real>(k: F) -> Self {
+        let inverse = |x: F| if x > F::from_f64(0.05) { F::ONE / x } else { F::from_f64(20.0) };
+        let real = |x: F| R::from_f64(inverse(x).to_f64());
+        Self::Load { with: real(F::ONE - k), against: real(F::ONE + k) }
     }
 
     /// Adds the term to the balance of forces along the reference.

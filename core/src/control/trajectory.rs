@@ -6,7 +6,7 @@ mod profile;
 mod samples;
 mod sine;
 
-pub use profile::Profile;
+pub use profile::{Phases, Profile};
 pub use samples::Samples;
 pub use sine::Sine;
 

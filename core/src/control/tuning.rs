@@ -6,20 +6,21 @@
 //! and Kv makes |L| = 1 at ωc: in continuous time the phase margin is then at least 62° for any c.
 
 use super::margins::margins;
+use crate::scalar::Real;
 
-/// Gains of the PID and of the adaptive law.
+/// Gains of the PID and of the adaptive law; in f64, or in what the board computes in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
+pub struct Gains<F = f64> {
     /// b the gains are for, drive units per (X/s²).
-    pub b: f64,
+    pub b: F,
     /// Kv, 1/s.
-    pub kv: f64,
+    pub kv: F,
     /// Λ1, 1/s².
-    pub lambda1: f64,
+    pub lambda1: F,
     /// Λ2, 1/s.
-    pub lambda2: f64,
+    pub lambda2: F,
     /// Time constant of the filter on ė, s; 0 for none.
-    pub filter_s: f64,
+    pub filter_s: F,
 }
 
 /// Why gains are refused; with the largest that would do.
@@ -54,26 +55,29 @@ pub fn largest_rate(tick_s: f64, delay_ticks: u32) -> f64 {
     0.8 / ((1.0 + f64::from(delay_ticks)) * tick_s)
 }
 
-impl Gains {
+/// Limits are passed by no more than this: the largest value allowed must itself pass, in f32 too.
+pub(super) const ROUNDING: f64 = 1.0 + 1e-6;
+
+impl<F: Real> Gains<F> {
     /// Checks the ranges, and the limits of the sampled loop at `delay_ticks` ticks from reading to drive.
     ///
     /// # Errors
     /// [`TuningError`] names what is out of range, with the largest allowed rate.
-    pub fn check(&self, tick_s: f64, delay_ticks: u32) -> Result<(), TuningError> {
-        if !(tick_s.is_finite() && tick_s > 0.0) {
+    pub fn check(&self, tick_s: F, delay_ticks: u32) -> Result<(), TuningError> {
+        if !(tick_s.is_finite() && tick_s > F::ZERO) {
             return Err(TuningError::Tick);
         }
-        if !(self.b.is_finite() && self.b > 0.0) {
+        if !(self.b.is_finite() && self.b > F::ZERO) {
             return Err(TuningError::B);
         }
         let ranges = [self.kv, self.lambda2, self.lambda1, self.filter_s];
-        if ranges.iter().any(|g| !g.is_finite() || *g < 0.0) || self.kv == 0.0 || self.lambda2 == 0.0 {
+        if ranges.iter().any(|g| !g.is_finite() || *g < F::ZERO) || self.kv == F::ZERO || self.lambda2 == F::ZERO {
             return Err(TuningError::Gain);
         }
-        let largest_per_s = largest_rate(tick_s, delay_ticks);
-        // A last bit above is no offence: the largest allowed rate itself must pass.
-        if self.kv + self.lambda2 > largest_per_s * (1.0 + 1e-9) {
-            return Err(TuningError::Rate { largest_per_s });
+        // See `largest_rate`.
+        let largest = F::from_f64(0.8) / (F::from_f64(1.0 + f64::from(delay_ticks)) * tick_s);
+        if self.kv + self.lambda2 > largest.scale(ROUNDING) {
+            return Err(TuningError::Rate { largest_per_s: largest.to_f64() });
         }
         Ok(())
     }

@@ -7,17 +7,19 @@
 //! already holds, `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256.
 //! The truncation is `δ⁴/24 = 9.5e-10`; with the Q30 rounding the worst measured error is 2.6e-9
 //! (2.8 Q30 steps), where a 10-bit table without interpolation errs by 3e-3 and floors amplitudes at 1e-3.
-//! Integers only: it runs in the tick of a core without an FPU, in 1.25 KiB of table.
+//! Integers only: it runs in the tick of a core without an FPU, in a quarter of a KiB of table: the first quarter turn.
 
 use core::f64::consts::TAU;
 
 /// Points of the table per turn.
 const POINTS: usize = 256;
+/// Points per quarter turn.
+const QUARTER: usize = POINTS / 4;
 /// One in the output of [`sin_cos`]: Q30.
 pub const ONE_Q30: i32 = 1 << 30;
 
-/// A full turn of the sine and a quarter more, so that the cosine is the entry 64 places on; Q30.
-static TABLE: [i32; POINTS + POINTS / 4] = table();
+/// The sine from 0 to a quarter turn, both included; Q30.
+static TABLE: [i32; QUARTER + 1] = table();
 
 /// Sine on the first quarter turn by its Taylor series; the term after the last is below 1e-18.
 const fn quarter_sine(x: f64) -> f64 {
@@ -33,30 +35,26 @@ const fn quarter_sine(x: f64) -> f64 {
     sum
 }
 
-const fn table() -> [i32; POINTS + POINTS / 4] {
-    let mut out = [0; POINTS + POINTS / 4];
+const fn table() -> [i32; QUARTER + 1] {
+    let mut out = [0; QUARTER + 1];
     let mut i = 0;
-    while i < out.len() {
-        let quarter = (i / (POINTS / 4)) % 4;
-        let within = i % (POINTS / 4);
-        let index = if quarter.is_multiple_of(2) { within } else { POINTS / 4 - within };
-        let value = quarter_sine(index as f64 * (TAU / POINTS as f64)) * ONE_Q30 as f64;
-        let rounded = (value + 0.5) as i32;
-        out[i] = if quarter < 2 { rounded } else { -rounded };
+    while i <= QUARTER {
+        out[i] = (quarter_sine(i as f64 * (TAU / POINTS as f64)) * ONE_Q30 as f64 + 0.5) as i32;
         i += 1;
     }
     out
 }
 
 /// 2π·2⁴ in Q20: turns a phase residue (2⁻³² turn) into radians in Q36.
-const RADIANS_Q36_PER_UNIT_Q20: i64 = (TAU * 16.0 * 1_048_576.0 + 0.5) as i64;
+const RADIANS_Q36_PER_UNIT_Q20: i32 = (TAU * 16.0 * 1_048_576.0 + 0.5) as i32;
 /// 1/3 in Q20.
-const THIRD_Q20: i64 = 349_525;
+const THIRD_Q20: i32 = 349_525;
 
-/// `value / 2^bits`, rounded to nearest: truncation would bias every sum by half a step.
+/// `a·b / 2^bits`, rounded to nearest: truncation would bias every sum by half a step. One 32 by 32 bit multiplication;
+/// the result must fit an i32.
 #[inline]
-const fn round_shift(value: i64, bits: u32) -> i64 {
-    (value + (1 << (bits - 1))) >> bits
+const fn product(a: i32, b: i32, bits: u32) -> i32 {
+    ((a as i64 * b as i64 + (1 << (bits - 1))) >> bits) as i32
 }
 
 /// Sine and cosine, Q30, of a phase in units of 2⁻³² turn. Worst error 2.6e-9 (module documentation).
@@ -64,18 +62,25 @@ const fn round_shift(value: i64, bits: u32) -> i64 {
 pub fn sin_cos(phase: u32) -> (i32, i32) {
     let index = phase.wrapping_add(1 << 23) >> 24;
     let residue = phase.wrapping_sub(index << 24) as i32;
-    // `index` is below 256, so both look-ups are inside the 320 entries.
-    let index = index as usize % POINTS;
-    let sin = i64::from(TABLE[index]);
-    let cos = i64::from(TABLE[index + POINTS / 4]);
-    let delta_q36 = round_shift(i64::from(residue) * RADIANS_Q36_PER_UNIT_Q20, 20);
-    // δ²/2 in Q30, and δ³/6 as (δ²/2)·δ/3 in Q36.
-    let versine_q30 = round_shift(delta_q36 * delta_q36, 43);
-    let cube_q36 = round_shift(((versine_q30 * delta_q36) >> 20) * THIRD_Q20, 30);
-    let sin_delta_q36 = delta_q36 - cube_q36;
-    let s = sin + round_shift(cos * sin_delta_q36, 36) - round_shift(sin * versine_q30, 30);
-    let c = cos - round_shift(sin * sin_delta_q36, 36) - round_shift(cos * versine_q30, 30);
-    (s as i32, c as i32)
+    // Below 64, so both look-ups are inside the 65 entries; the quarter then turns the point.
+    let within = index as usize % QUARTER;
+    let (rise, fall) = (TABLE[within], TABLE[QUARTER - within]);
+    let (sin, cos) = match (index as usize / QUARTER) % 4 {
+        0 => (rise, fall),
+        1 => (fall, -rise),
+        2 => (-rise, -fall),
+        _ => (-fall, rise),
+    };
+    // Below π/256·2³⁶ = 8.5e8; δ²/2 in Q30 is below 8.1e4.
+    let delta_q36 = product(residue, RADIANS_Q36_PER_UNIT_Q20, 20);
+    let versine_q30 = product(delta_q36, delta_q36, 43);
+    // δ³/6 as (δ²/2)·δ/3 in Q36.
+    let square_by_delta = ((i64::from(versine_q30) * i64::from(delta_q36)) >> 20) as i32;
+    let sin_delta_q36 = delta_q36 - product(square_by_delta, THIRD_Q20, 30);
+    // Every sum stays below 1.02·2³⁰.
+    let s = sin + product(cos, sin_delta_q36, 36) - product(sin, versine_q30, 30);
+    let c = cos - product(sin, sin_delta_q36, 36) - product(cos, versine_q30, 30);
+    (s, c)
 }
 
 /// An oscillator's frequency, as the phase advance per sample. The phase itself is the caller's state.

@@ -135,9 +135,9 @@ impl<A> DualRelay<A> {
     /// zero where |e| is at its peak, so one tick's error carries it across the band, while at rest noise within the
     /// hysteresis cannot toggle it every tick.
     pub fn signs(&self, state: &mut DualRelayState, error_counts: i32) -> (i8, i8) {
-        state.positive1 = switch(state.positive1, i64::from(error_counts), self.hysteresis);
+        state.positive1 = switch(state.positive1, error_counts, self.hysteresis);
         state.integral = state.integral.saturating_add(i64::from(error_counts));
-        state.positive2 = switch(state.positive2, state.integral, self.hysteresis);
+        state.positive2 = switch(state.positive2, state.integral, i64::from(self.hysteresis));
         state.signs()
     }
 }
@@ -170,8 +170,9 @@ impl<A: Copy + Add<Output = A> + Neg<Output = A>> DualRelay<A> {
     }
 }
 
-const fn switch(positive: bool, value: i64, hysteresis: i32) -> bool {
-    if positive { value >= -(hysteresis as i64) } else { value > hysteresis as i64 }
+#[inline]
+fn switch<T: Copy + PartialOrd + Neg<Output = T>>(positive: bool, value: T, hysteresis: T) -> bool {
+    if positive { value >= -hysteresis } else { value > hysteresis }
 }
 
 #[cfg(test)]

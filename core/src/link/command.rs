@@ -4,6 +4,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{CommandError, Field, Model, Rejected, Settings};
+use crate::control::Phases;
 use crate::excite::waveform::{Shape, TABLE_POINTS};
 
 /// A command and the id under which it is answered.
@@ -164,6 +165,20 @@ pub enum Trajectory {
         /// > 0.
         duration_s: f32,
     },
+    /// Trapezoid of velocity, or with jerk phases an S-curve, there and back with a rest at both ends
+    /// ([`Profile`](crate::control::Profile)): 4·jerk + 2·acceleration + cruise below 2³⁰, and jerk or acceleration above 0.
+    Profile {
+        /// Size, finite.
+        distance: f32,
+        /// Ticks of each phase of changing acceleration; 0 for a trapezoid.
+        jerk_ticks: u32,
+        /// Ticks of constant acceleration.
+        acceleration_ticks: u32,
+        /// Ticks of constant speed.
+        cruise_ticks: u32,
+        /// Ticks of rest, below 2³⁰.
+        rest_ticks: u32,
+    },
 }
 
 /// A position controller with its gains, in drive and position units.
@@ -293,6 +308,11 @@ impl Track {
             | Trajectory::MinimumJerk { distance: size, duration_s: time } => {
                 finite(size)?;
                 positive(time)?;
+            }
+            Trajectory::Profile { distance, jerk_ticks, acceleration_ticks, cruise_ticks, rest_ticks } => {
+                finite(distance)?;
+                let phases = Phases { jerk: jerk_ticks, acceleration: acceleration_ticks, cruise: cruise_ticks };
+                range(phases.ticks().is_some() && rest_ticks < 1 << 30, Field::TrajectoryTime)?;
             }
         }
         let gain = |value: f32, field| range(value.is_finite() && value >= 0.0, field);

@@ -3,7 +3,7 @@
 //! Zero bytes occur only at the end of frames, so a receiver that has lost bytes is in step again after the next one; the
 //! CRC finds what was damaged in between. Two zeros in a row are no frame and no error: a sender may put one in front.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::Serialize;
 
 /// Longest message, bytes: with its CRC it is one COBS block.
@@ -12,7 +12,8 @@ const CRC_BYTES: usize = 4;
 /// Longest frame, bytes: one of COBS overhead and the zero at the end.
 pub const MAX_FRAME: usize = MAX_MESSAGE + CRC_BYTES + 2;
 
-static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+/// Without a table of 1 KiB: a frame of 256 bytes takes a Cortex-M4 about 15 000 cycles in the thread.
+static CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// A message that is longer than [`MAX_MESSAGE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

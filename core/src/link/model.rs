@@ -3,7 +3,7 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use super::{CommandError, Field, fnv1a};
+use super::{CommandError, Field};
 use crate::plant::effect::MAX_PARAMETERS;
 use crate::plant::{Base, Effect, Kind, MAX_EFFECTS};
 use crate::scalar::Real;
@@ -15,14 +15,14 @@ pub struct EffectId(pub u32);
 impl EffectId {
     /// The number of `kind`.
     #[must_use]
-    pub const fn of(kind: Kind) -> Self {
-        Self(fnv1a(kind.name().as_bytes()))
+    pub fn of(kind: Kind) -> Self {
+        Self(kind.name_hash())
     }
 
     /// The effect, if this build's catalogue has it.
     #[must_use]
     pub fn kind(self) -> Option<Kind> {
-        Kind::ALL.iter().copied().find(|kind| Self::of(*kind) == self)
+        Kind::from_name_hash(self.0)
     }
 }
 
@@ -87,22 +87,21 @@ impl WireEffect {
     /// The effect on the wire.
     #[must_use]
     pub fn new<R: Real>(effect: &Effect<R>) -> Self {
-        let count = effect.kind.definition().parameters.len();
+        let count = effect.kind.ranges().len();
         let parameters = effect.p.iter().take(count).map(|p| p.to_f64() as f32).collect();
         Self { id: EffectId::of(effect.kind), parameters }
     }
 
     fn effect<R: Real>(&self) -> Result<Effect<R>, CommandError> {
         let kind = self.id.kind().ok_or(CommandError::Range(Field::EffectKind))?;
-        let definitions = kind.definition().parameters;
+        let ranges = kind.ranges();
         let wrong = CommandError::Range(Field::EffectParameters);
-        if self.parameters.len() != definitions.len() {
+        if self.parameters.len() != ranges.len() {
             return Err(wrong);
         }
         let mut p = [R::ZERO; MAX_PARAMETERS];
-        for ((slot, definition), value) in p.iter_mut().zip(definitions).zip(&self.parameters) {
-            // A limit of the catalogue itself must not fail by its own rounding to f32.
-            if !(value.is_finite() && *value >= definition.min as f32 && *value <= definition.max as f32) {
+        for ((slot, [min, max]), value) in p.iter_mut().zip(ranges).zip(&self.parameters) {
+            if !(value.is_finite() && value >= min && value <= max) {
                 return Err(wrong);
             }
             *slot = R::from_f64(f64::from(*value));

@@ -110,7 +110,7 @@ impl<R: Real> Plant<'_, R> {
         state.v = v;
         let held = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
         let u = self.effective_drive(state, drive, t, 0.0, drive.ts);
-        let at = Instant { t, x, v, u };
+        let at = Instant { t, x, v, u, over_s: h };
         let level = self.level(at);
         let mut force = self.force(at) - held;
         let mut inertia = R::ONE;
@@ -133,7 +133,7 @@ impl<R: Real> Plant<'_, R> {
         let mut u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
         let past = Held { u: drive.u, ts: drive.ts, from_s };
         for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
-            u = effect.drive(Instant { t, x: state.x, v: state.v, u }, past, memory, h);
+            u = effect.drive(Instant { t, x: state.x, v: state.v, u, over_s: h }, past, memory, h);
         }
         u
     }
@@ -155,7 +155,7 @@ impl<R: Real> Plant<'_, R> {
             return self.sub_step_with_memory(state, t, u, h);
         }
         let (x0, v0) = (state.x, state.v);
-        let start = Instant { t, x: x0, v: v0, u };
+        let start = Instant { t, x: x0, v: v0, u, over_s: h };
         let mut sgn = v0.sgn();
         if v0 == R::ZERO {
             let force = self.force(start);
@@ -179,7 +179,7 @@ impl<R: Real> Plant<'_, R> {
     fn sub_step_with_memory(&self, state: &mut State<R>, t: R, u: R, h: f64) {
         let (x0, v0) = (state.x, state.v);
         let b = self.inertia(t, state);
-        let start = Instant { t, x: x0, v: v0, u };
+        let start = Instant { t, x: x0, v: v0, u, over_s: h };
         let bristles = self.effects.iter().any(|effect| effect.kind.bristles());
         let rest = self.force(Instant { v: R::ZERO, ..start });
         let sgn = if bristles {

@@ -79,7 +79,11 @@ pub fn adaptive() -> Adaptive {
     Adaptive { kv: 30.0, lambda1: 400.0, lambda2: 40.0, delta: 0.1, rates: [0.1, 0.2, 0.3, 0.4, 0.5] }
 }
 
-pub fn tracks() -> [Track; 5] {
+/// An S-curve.
+pub const PROFILE: Trajectory =
+    Trajectory::Profile { distance: 2.0, jerk_ticks: 27, acceleration_ticks: 161, cruise_ticks: 1146, rest_ticks: 500 };
+
+pub fn tracks() -> [Track; 6] {
     let pid = Controller::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5 });
     let track = |trajectory, controller| Track {
         trajectory,
@@ -94,6 +98,7 @@ pub fn tracks() -> [Track; 5] {
         track(Trajectory::Triangle { amplitude: 0.25, period_s: 4.0 }, pid),
         track(Trajectory::Step { distance: -1.0 }, pid),
         track(Trajectory::MinimumJerk { distance: 1.5, duration_s: 0.75 }, pid),
+        track(PROFILE, pid),
     ]
 }
 

@@ -91,9 +91,14 @@ fn command_errors_name_the_field() {
     let relay = examples::relay();
     let reference = Reference { phase_step: u32::MAX, ..relay.reference };
     let drive = examples::drive();
-    let [_, adaptive, _, step, _] = examples::tracks();
+    let [_, adaptive, _, step, _, _] = examples::tracks();
     let pid = |kp, ki, kd| Track { controller: Controller::Pid(Pid { kp, ki, kd }), ..adaptive };
     let sine = |amplitude, period_s| Track { trajectory: Trajectory::Sine { amplitude, period_s }, ..step };
+    let profile = |jerk_ticks, acceleration_ticks, rest_ticks| {
+        let trajectory =
+            Trajectory::Profile { distance: 1.0, jerk_ticks, acceleration_ticks, cruise_ticks: 9, rest_ticks };
+        Command::StartTrack(Track { trajectory, ..step })
+    };
     let law = |change: fn(&mut Adaptive)| {
         let mut gains = examples::adaptive();
         change(&mut gains);
@@ -121,6 +126,10 @@ fn command_errors_name_the_field() {
         (Command::StartTrack(pid(1.0, 1.0, f32::INFINITY)), Field::Kd),
         (Command::StartTrack(sine(f32::NAN, 1.0)), Field::TrajectorySize),
         (Command::StartTrack(sine(1.0, 0.0)), Field::TrajectoryTime),
+        (profile(0, 0, 0), Field::TrajectoryTime),
+        (profile(1 << 28, 0, 0), Field::TrajectoryTime),
+        (profile(u32::MAX, u32::MAX, 0), Field::TrajectoryTime),
+        (profile(1, 0, 1 << 30), Field::TrajectoryTime),
         (law(|g| g.kv = 0.0), Field::Kv),
         (law(|g| g.lambda1 = f32::NAN), Field::Lambda1),
         (law(|g| g.lambda2 = -1.0), Field::Lambda2),

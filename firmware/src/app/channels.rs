@@ -14,15 +14,15 @@ use super::run::RunOrder;
 pub const SAMPLE_QUEUE: usize = 64;
 /// Orders that wait for the tick, which takes one per tick.
 const ORDER_QUEUE: usize = 4;
+/// Runs that wait for the tick; one less fits. The thread asks for one at a time.
+const RUN_QUEUE: usize = 2;
 /// Events that wait for the thread. The tick holds back what finds no room.
 const EVENT_QUEUE: usize = 4;
 
-/// What the thread asks of the tick.
+/// What the thread asks of the tick, beside runs.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // All of them live in one queue; boxes do not exist here.
-pub enum Order<'a, P> {
-    /// Start a run. Answered.
-    Run(RunOrder<P>, Bounds),
+pub enum Order<'a> {
     /// End the run by command. Answered.
     Stop,
     /// Unlatch the fault. Answered.
@@ -58,7 +58,8 @@ pub enum TickEvent<'a> {
 
 /// The queues between tick and thread.
 pub struct Channels<'a, P> {
-    orders: Queue<Order<'a, P>, ORDER_QUEUE>,
+    orders: Queue<Order<'a>, ORDER_QUEUE>,
+    runs: Queue<(RunOrder<P>, Bounds), RUN_QUEUE>,
     events: Queue<TickEvent<'a>, EVENT_QUEUE>,
     samples: Queue<Sample, SAMPLE_QUEUE>,
     alive: AtomicBool,
@@ -66,7 +67,8 @@ pub struct Channels<'a, P> {
 
 /// The tick's end.
 pub struct TickEnd<'q, 'a, P> {
-    pub(super) orders: Consumer<'q, Order<'a, P>, ORDER_QUEUE>,
+    pub(super) orders: Consumer<'q, Order<'a>, ORDER_QUEUE>,
+    pub(super) runs: Consumer<'q, (RunOrder<P>, Bounds), RUN_QUEUE>,
     pub(super) events: Producer<'q, TickEvent<'a>, EVENT_QUEUE>,
     pub(super) samples: Producer<'q, Sample, SAMPLE_QUEUE>,
     alive: &'q AtomicBool,
@@ -75,7 +77,9 @@ pub struct TickEnd<'q, 'a, P> {
 /// The thread's end.
 pub struct AppEnd<'q, 'a, P> {
     /// Orders to the tick.
-    pub orders: Producer<'q, Order<'a, P>, ORDER_QUEUE>,
+    pub orders: Producer<'q, Order<'a>, ORDER_QUEUE>,
+    /// Runs to start, which the tick takes after all orders. Each is answered.
+    pub runs: Producer<'q, (RunOrder<P>, Bounds), RUN_QUEUE>,
     /// Events from the tick.
     pub events: Consumer<'q, TickEvent<'a>, EVENT_QUEUE>,
     /// Samples from the tick.
@@ -87,7 +91,13 @@ impl<P> Channels<'_, P> {
     /// Empty queues.
     #[must_use]
     pub const fn new() -> Self {
-        Self { orders: Queue::new(), events: Queue::new(), samples: Queue::new(), alive: AtomicBool::new(false) }
+        Self {
+            orders: Queue::new(),
+            runs: Queue::new(),
+            events: Queue::new(),
+            samples: Queue::new(),
+            alive: AtomicBool::new(false),
+        }
     }
 }
 
@@ -95,12 +105,13 @@ impl<'a, P> Channels<'a, P> {
     /// Both ends.
     pub fn split(&mut self) -> (TickEnd<'_, 'a, P>, AppEnd<'_, 'a, P>) {
         let (to_tick, orders) = self.orders.split();
+        let (to_start, runs) = self.runs.split();
         let (events, from_tick) = self.events.split();
         let (samples, recorded) = self.samples.split();
         let alive = &self.alive;
         (
-            TickEnd { orders, events, samples, alive },
-            AppEnd { orders: to_tick, events: from_tick, samples: recorded, alive },
+            TickEnd { orders, runs, events, samples, alive },
+            AppEnd { orders: to_tick, runs: to_start, events: from_tick, samples: recorded, alive },
         )
     }
 }

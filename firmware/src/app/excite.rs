@@ -49,10 +49,6 @@ impl Exciter {
         Self { excitation, relay: DualRelayState::new(), phase: 0 }
     }
 
-    pub(super) fn mode(&self) -> Mode {
-        self.excitation.mode()
-    }
-
     /// The drive at `distance` counts from the start, and the reference relative to it.
     #[inline]
     pub(super) fn tick(&mut self, distance: i32, table: &Table) -> (i32, i32) {

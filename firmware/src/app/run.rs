@@ -40,7 +40,7 @@ impl RunLimits {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Source {
     Exciter(Exciter),
-    Control(Mode),
+    Control,
 }
 
 /// A run under way. Everything a run changes is in here, so that dropping it restores what was before.
@@ -52,13 +52,5 @@ pub(super) struct Run {
     pub ticks: u32,
     /// 0: until stopped.
     pub max_ticks: u32,
-}
-
-impl Run {
-    pub(super) fn mode(&self) -> Mode {
-        match &self.source {
-            Source::Exciter(exciter) => exciter.mode(),
-            Source::Control(mode) => *mode,
-        }
-    }
+    pub mode: Mode,
 }

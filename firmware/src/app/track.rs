@@ -1,6 +1,6 @@
 //! Track and Hold: the controllers of [`breakaway_core::control`] along a trajectory, in f32.
 
-use breakaway_core::control::{Controller as Law, ControllerState, Setpoint, Sine};
+use breakaway_core::control::{Controller as Law, ControllerState, Profile, Setpoint, Sine};
 
 use super::control::{ControlInput, Controller};
 
@@ -33,6 +33,8 @@ pub enum Path {
         /// Ticks.
         ticks: u32,
     },
+    /// There and back within limits of speed, acceleration and jerk, without end.
+    Profile(Profile<f32>),
 }
 
 impl Path {
@@ -40,7 +42,8 @@ impl Path {
     fn at(&self, k: u32) -> Setpoint<f32> {
         match *self {
             Self::Hold => Setpoint::default(),
-            Self::Sine(sine) => sine.at(k),
+            Self::Sine(ref sine) => sine.at(k),
+            Self::Profile(ref profile) => profile.at(k),
             Self::Step(x) => Setpoint { x, v: 0.0, a: 0.0 },
             Self::Triangle { amplitude, phase_step, speed } => {
                 // A quarter turn on, the fold is at the half turn: −1 … 1 in Q30.

@@ -8,9 +8,7 @@ mod image {
 
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{Channels, Guards, NoController, Tick, TickSettings};
-    use breakaway_firmware::board::{
-        Applied, Board, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip,
-    };
+    use breakaway_firmware::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip};
 
     /// A board of which the compiler knows nothing.
     struct Opaque([u32; RETAINED_WORDS]);
@@ -55,29 +53,6 @@ mod image {
             self.0 = black_box(words);
         }
     }
-    impl Board for Opaque {
-        type Encoder = Self;
-        type Drive = Self;
-        type Clock = Self;
-        type Protection = Self;
-        type Retained = Self;
-        fn encoder(&mut self) -> &mut Self {
-            self
-        }
-        fn drive(&mut self) -> &mut Self {
-            self
-        }
-        fn clock(&self) -> &Self {
-            self
-        }
-        fn protection(&mut self) -> &mut Self {
-            self
-        }
-        fn retained(&mut self) -> &mut Self {
-            self
-        }
-    }
-
     /// Entered by nobody: the file is looked at, not run.
     #[unsafe(no_mangle)]
     pub extern "C" fn integer_tick() -> ! {

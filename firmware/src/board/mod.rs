@@ -18,6 +18,9 @@ pub mod mps2_an386;
 #[allow(unsafe_code, reason = "interrupt and retained RAM of the board")]
 pub mod nucleo_g474re;
 mod protection;
+#[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
+#[allow(unsafe_code, reason = "routines that the compiler calls")]
+pub mod routines;
 mod sign_magnitude;
 mod wire;
 
@@ -28,8 +31,8 @@ pub use protection::{Protection, RETAINED_WORDS, Retained, Trip};
 pub use sign_magnitude::{ConfigError, DriveError, Limits, SignMagnitude};
 pub use wire::Wire;
 
-/// All that the tick needs. A struct with these five fields and five getters is enough; the virtual board's is in
-/// `board/mps2_an386`.
+/// All that the tick needs. A struct with these five fields and five getters is enough; what implements all five itself,
+/// as the virtual board does, is a board as it is.
 pub trait Board {
     /// Position.
     type Encoder: Encoder;
@@ -52,4 +55,28 @@ pub trait Board {
     fn protection(&mut self) -> &mut Self::Protection;
     /// Memory that outlives a reset.
     fn retained(&mut self) -> &mut Self::Retained;
+}
+
+impl<T: Encoder + Drive + Clock + Protection + Retained> Board for T {
+    type Encoder = Self;
+    type Drive = Self;
+    type Clock = Self;
+    type Protection = Self;
+    type Retained = Self;
+
+    fn encoder(&mut self) -> &mut Self {
+        self
+    }
+    fn drive(&mut self) -> &mut Self {
+        self
+    }
+    fn clock(&self) -> &Self {
+        self
+    }
+    fn protection(&mut self) -> &mut Self {
+        self
+    }
+    fn retained(&mut self) -> &mut Self {
+        self
+    }
 }

@@ -10,9 +10,7 @@ use breakaway_core::link::{
 };
 use breakaway_core::plant::{Base, Drive as Held, Effect, Plant, State};
 use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
-use breakaway_firmware::board::{
-    Applied, Board, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip, Wire,
-};
+use breakaway_firmware::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip, Wire};
 use breakaway_firmware::storage::{Loaded, NoStore};
 
 /// The papers' plant at 1 kHz behind an encoder of 1 mrad and a drive of ±5 V.
@@ -108,29 +106,6 @@ impl Wire for Shared {
         bytes.len()
     }
 }
-impl Board for Shared {
-    type Encoder = Self;
-    type Drive = Self;
-    type Clock = Self;
-    type Protection = Self;
-    type Retained = Self;
-    fn encoder(&mut self) -> &mut Self {
-        self
-    }
-    fn drive(&mut self) -> &mut Self {
-        self
-    }
-    fn clock(&self) -> &Self {
-        self
-    }
-    fn protection(&mut self) -> &mut Self {
-        self
-    }
-    fn retained(&mut self) -> &mut Self {
-        self
-    }
-}
-
 /// A running board and its host.
 pub struct Bench {
     pub world: Shared,

@@ -1,6 +1,6 @@
 //! Track and Hold.
 
-use breakaway_core::control::tune;
+use breakaway_core::control::{Profile, tune};
 use breakaway_core::link::{
     Adaptive, Bounds, Command, CommandError, Controller, Ending, FaultCause, Field, Mode, Model, Pid, Reply, Sample,
     Track, Trajectory, WireEffect,
@@ -118,6 +118,35 @@ fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
     assert_eq!(bench.status().mode, Mode::Idle);
+}
+
+/// An S-curve of 2 rad within 1.5 rad/s, 8 rad/s² and 100 rad/s³, there and back with rests of 0.2 s: the reference is that
+/// of the limits, to the count it is rounded to and one that f32 may tip over.
+#[test]
+fn an_s_curve_is_the_one_of_its_limits() {
+    let limits = (2.0, 1.5, 8.0, 100.0, 1e-3);
+    let (distance, speed, acceleration, jerk, tick_s) = limits;
+    let phases = Profile::<f64>::s_curve_phases(distance, speed, acceleration, jerk, tick_s).unwrap();
+    let profile = Profile::<f64>::s_curve(distance, speed, acceleration, jerk, tick_s).unwrap();
+    let profile = profile.back_and_forth(0.2).unwrap();
+    let trajectory = Trajectory::Profile {
+        distance: distance as f32,
+        jerk_ticks: phases.jerk,
+        acceleration_ticks: phases.acceleration,
+        cruise_ticks: phases.cruise,
+        rest_ticks: 200,
+    };
+    let samples = run(track(trajectory, pid(), true), Mode::Track);
+    let first = samples[0].tick;
+    for sample in &samples {
+        let expected = (profile.at(sample.tick - first).x / STEP).round() as i32;
+        assert!((sample.reference - expected).abs() <= 1, "{sample:?}: {expected}");
+    }
+    // Both ways in 4 s, and the axis with it: at rest it is where it was sent, to two counts.
+    assert!(profile.ticks() < 1800 && samples.len() == 4000);
+    let there = &samples[profile.ticks() as usize + 190];
+    assert!((there.reference, (there.count - 2000).abs() <= 2) == (2000, true), "{there:?}");
+    assert!(rms(&samples) < 2.0 * STEP, "{}", rms(&samples));
 }
 
 /// On a reversed encoder every loop is one of positive feedback: the drive grows with the motion against it, and keeps its sign.

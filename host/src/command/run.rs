@@ -120,8 +120,8 @@ impl Args {
         let experiments = if self.experiment == "suite" {
             let machine = self.machine();
             let found = suite::breakaway(&axis, &machine)?;
-            breakaway = Some(found);
-            suite::suite(found, &machine)
+            breakaway = Some(found.force);
+            suite::suite(found.moved_at, &machine)
         } else {
             vec![(Role::Fit, self.named()?)]
         };
@@ -185,8 +185,8 @@ impl Args {
             });
             spinner.finish_and_clear();
             let found = found?;
-            breakaway = Some(found);
-            suite::suite(found, &machine)
+            breakaway = Some(found.force);
+            suite::suite(found.moved_at, &machine)
         };
         let bar = progress::bar("experiments", experiments.len() as u64);
         let mut recordings = Vec::new();

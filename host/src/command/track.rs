@@ -36,9 +36,8 @@ simulated plant is --plant, or the model itself. Errors are against the true pos
 A reference from a file must be smooth: its second difference is the acceleration that compensation applies, and a
 recorded encoder is not.
 
-On a board (--port) its tick, encoder step and limits hold, and errors are against its encoder. It follows a sine with the PID
-alone, with the base model and with the whole model compensated, one after the other; the models are loaded for it, and the
-last one stays loaded until the board is reset (`breakaway device model save` keeps it). Ctrl-C stops the axis.
+On a board (--port) its tick, encoder step and limits hold, and errors are against its encoder. It follows a sine, a trapezoid or
+an S-curve, with the same four one after the other; the models are loaded for it, and the last one stays loaded until the board is reset (`breakaway device model save` keeps it). Ctrl-C stops the axis.
 
 JSON: reference, plant, tick_s, duration_s, settle_s, runs (name, rms, peak, rms_steps, drive_rms, saturated), improvement (PID
 alone over the whole model), units; of a board also missing (samples lost on the way) and mismatches (what its drift watch said: direction of

@@ -23,7 +23,8 @@ image). Without --plant the plant of the papers is taken. The board's settings s
 drive at full scale, units of the plant; with --flash they are kept as on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
-break=NUMBER, supply=MV, reset, healed. TICK counts from the start.
+break=NUMBER, supply=MV, reset, garbage=BYTES, corrupt-flash (TICK 0, with --flash), healed. TICK counts from the
+start.
 
 JSON: port, board, tick_hz; printed when the board is ready.")]
 pub struct Args {
@@ -100,7 +101,8 @@ impl Args {
             seed: self.seed,
         };
         machine.check()?;
-        let settings = settings(&machine, model, self.travel);
+        let mut settings = settings(&machine, model, self.travel);
+        settings.command_timeout_ms = timeout_ms(settings.command_timeout_ms, self.speed);
         settings.validate().map_err(|field| anyhow::anyhow!("{} must be {}", field.name(), field.need()))?;
         Ok(Options {
             image: self.image.clone(),
@@ -111,6 +113,15 @@ impl Args {
             faults: self.inject.clone(),
         })
     }
+}
+
+/// No machine runs the board faster than this, virtual over real time (6 is usual).
+const FASTEST: f64 = 20.0;
+
+/// The link's time-out on a board whose clock runs `speed` times as fast as its host's: the same in the host's time, as a
+/// client says that it is there every 0.2 s of that.
+fn timeout_ms(default_ms: u32, speed: f64) -> u32 {
+    (f64::from(default_ms) * speed.clamp(1.0, FASTEST)).ceil() as u32
 }
 
 /// Settings of a board on this machine: its scales and units, its full drive, `travel` position units either way.
@@ -133,5 +144,15 @@ pub fn settings(machine: &Machine, model: &Model, travel: f64) -> Settings {
         drive_full_scale: machine.drive_full_scale as f32,
         drive_unit,
         ..Settings::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_out_keeps_up_with_the_clock() {
+        assert_eq!([0.1, 1.0, 5.5, f64::INFINITY].map(|speed| timeout_ms(1000, speed)), [1000, 1000, 5500, 20_000]);
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use breakaway_core::control::{Fast, Profile, Samples, Setpoint, Sine};
+use breakaway_core::control::{Fast, Phases, Profile, Samples, Setpoint, Sine};
 
 use super::{ControlError, trajectory_reason};
 use crate::recording::{ReadOptions, Signal};
@@ -117,6 +117,22 @@ impl Reference {
                 Ok(each(&|k| samples.at(k)))
             }
         }
+    }
+
+    /// Of a profile its phases and its rest, in ticks; `None` of any other reference.
+    ///
+    /// # Errors
+    /// As [`Self::points`].
+    pub fn phases(&self, tick_s: f64) -> Result<Option<(Phases, u32)>, ControlError> {
+        let Self::Profile { distance, speed, acceleration, jerk, rest_s } = *self else { return Ok(None) };
+        // A rest that is out of range is refused with the profile.
+        self.profile::<f64>(tick_s)?;
+        let phases = match jerk {
+            None => Profile::<f64>::trapezoid_phases(distance, speed, acceleration, tick_s),
+            Some(jerk) => Profile::<f64>::s_curve_phases(distance, speed, acceleration, jerk, tick_s),
+        };
+        let phases = phases.map_err(|error| self.wrong(trajectory_reason(error)))?;
+        Ok(Some((phases, (rest_s / tick_s).ceil() as u32)))
     }
 
     fn wrong(&self, reason: &str) -> ControlError {

@@ -137,7 +137,7 @@ pub enum DeviceError {
     },
     /// The board has no such trajectory.
     #[error(
-        "--reference {0} cannot be followed on a board, which makes its references itself: give it a sine (sine:A,HZ)"
+        "--reference {0} cannot be followed on a board, which makes its references itself: give it a sine (sine:A,HZ), a trapezoid (trapezoid:D,V,A[,REST]) or an S-curve (s_curve:D,V,A,J[,REST])"
     )]
     Reference(String),
     /// A model does not fit the board.

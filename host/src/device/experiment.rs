@@ -11,7 +11,7 @@ use breakaway_core::link::{
     Reply, Settings, Track, Trajectory,
 };
 
-pub use tracking::{Followed, TrackRun};
+pub use tracking::{Followed, TrackRun, adaptive, pid};
 
 use super::scale::Scale;
 use super::stream::{Row, Stream};

@@ -3,32 +3,23 @@
 //! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
 //! convergence, with a search along parameters that gradients do not find.
 
-use breakaway_core::plant::effect::{Scale, Search};
-use breakaway_core::plant::{Base, Effect, Kind, MAX_SUB_STEPS, Plant};
+use breakaway_core::plant::effect::Search;
+use breakaway_core::plant::{Base, Kind};
 use rayon::prelude::*;
 
-use super::data::Data;
-use super::decide::NAMING;
-use super::screen::{Screen, Start, stroke};
-use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem, Segment};
+use super::data::{Data, FIT_SEGMENT_S};
+use super::refit::{FINAL_ITERATIONS, finish, polished};
+use super::screen::{Screen, Start};
+use crate::identify::shooting::{self, Candidate, Fit, Free, Segment};
 use crate::identify::track::median;
 
 /// Floor of the logarithm, as a share of the median segment's mean square: of the current model's in the first heat, and of
 /// the best effect's in the final.
 const HEAT_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
-/// Floor of the base model's fit, as a multiple of the mean square that it leaves.
-const BASE_FLOOR: f64 = 10.0;
-/// Mean square of the median segment over the noise's from which a named effect is fitted like that.
-const MISSES_MUCH: f64 = 4.0;
-/// One in so many segments is in the first heat; iterations there, in the final, and of a fit that is to converge.
+/// One in so many segments is in the first heat, and iterations there.
 const FIRST_SHARE: usize = 3;
 const FIRST_ITERATIONS: usize = 5;
-const FINAL_ITERATIONS: usize = 12;
-const LAST_ITERATIONS: usize = 20;
-/// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
-const RESTARTS: usize = 2;
-const WORTH_A_RESTART: f64 = 20.0;
 /// Leaders that go to the final at the least, and the share of the best gain that takes further ones there.
 const LEADERS: usize = 6;
 const CLOSE: f64 = 0.7;
@@ -47,6 +38,7 @@ const BLIND_STARTS: usize = 24;
 const TRIAL_SEGMENTS: usize = 14;
 const TRIAL_ITERATIONS: usize = 2;
 const TRIAL_KEPT: usize = 3;
+const PERIODIC_KEPT: usize = 5;
 /// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
 const SLOW_SHARE: usize = 3;
 /// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
@@ -192,7 +184,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         if let Ok(fit) = &mut t.fit
             && (share(fit) > COMPETITIVE || (t.kind.threshold() && !t.kind.remembers()))
         {
-            *fit = polished(&data, fit.clone(), share(fit) > CONTENDING);
+            *fit = polished(&data, fit.clone(), share(fit) > CONTENDING, rotary);
         }
     });
     Round { data, current, tried }
@@ -217,26 +209,54 @@ fn blind(kind: Kind) -> bool {
 
 fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
+    let problem = heat.data.over(&heat.segments);
+    let heated = |candidate: &Candidate| {
+        let free = Free::all(&candidate.effects);
+        problem.fit(candidate, &free, Some(&heat.current.initial), FIRST_ITERATIONS)
+    };
+    let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
+        // Few of the short segments hold what is looked for: the trial's would tell nothing.
+        let starts = chosen(kind, screen.starts(kind), 1);
+        let base = heat.current.candidate.base;
+        let beside = starts.into_iter().map(|start| Candidate { base, ..start.candidate });
+        return least(beside.filter_map(|candidate| heated(&candidate).ok()).collect()).ok_or(reason);
+    }
     let mut tries: Vec<Fit> = Vec::new();
     let trial = heat.data.over(&heat.trial);
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
     let share = if slow { SLOW_SHARE } else { 1 };
     for start in chosen(kind, screen.starts(kind), share) {
-        for candidate in variants(&start.candidate, &heat.current.candidate.base) {
-            match trial.fit(&candidate, &Free::all(&candidate.effects), Some(&heat.trial_initial), TRIAL_ITERATIONS) {
-                Ok(fit) => tries.push(fit),
+        let variants = variants(&start.candidate, &heat.current.candidate.base);
+        let fits = variants.iter().map(|candidate| {
+            trial.fit(candidate, &without_wave_number(candidate), Some(&heat.trial_initial), TRIAL_ITERATIONS)
+        });
+        // One of each start goes on: what is far apart (wave numbers, thresholds) is not told apart by two steps.
+        let mut best: Option<Fit> = None;
+        for fit in fits {
+            match fit {
+                Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
+                Ok(_) => (),
                 Err(error) => reason = error.to_string(),
             }
         }
+        tries.extend(best);
     }
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let problem = heat.data.over(&heat.segments);
-    tries
-        .into_iter()
-        .take(TRIAL_KEPT.div_ceil(share))
-        .filter_map(|fit| problem.fit(&fit.candidate, &fit.free, Some(&heat.current.initial), FIRST_ITERATIONS).ok())
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .ok_or(reason)
+    let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
+    let tries = tries.into_iter().take(kept.div_ceil(share));
+    least(tries.filter_map(|fit| heated(&fit.candidate).ok()).collect()).ok_or(reason)
+}
+
+/// All that is free but the wave number of the last effect: few segments do not give it as well as the spectrum of all.
+fn without_wave_number(candidate: &Candidate) -> Vec<Free> {
+    let j = candidate.effects.len() - 1;
+    let parameters = candidate.effects[j].kind.definition().parameters;
+    let mut free = Free::all(&candidate.effects);
+    free.retain(
+        |free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_))),
+    );
+    free
 }
 
 /// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one
@@ -258,172 +278,4 @@ fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
         }
     }
     if grows { vec![start.clone(), beside, small] } else { vec![beside] }
-}
-
-/// Over all segments to convergence.
-fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
-    resolved(data, &start.candidate)?;
-    let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
-    resolved(data, &fit.candidate)?;
-    Ok(fit)
-}
-
-/// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's, and bristles so long
-/// that they never let go, which are a spring whose rest every segment chooses for itself.
-fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
-    let plant = Plant { base: candidate.base, effects: &candidate.effects };
-    if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
-        return Err("became faster than the recordings resolve".to_owned());
-    }
-    let softest = candidate.base.f1 / stroke(data);
-    let soft = |effect: &Effect<f64>| {
-        let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
-        effect.kind.bristles()
-            && parameters.into_iter().any(|(parameter, value)| {
-                matches!(parameter.search, Search::Grid(Scale::Presliding, _)) && *value < softest
-            })
-    };
-    if candidate.effects.iter().any(soft) {
-        return Err("its bristles became longer than the motion".to_owned());
-    }
-    Ok(())
-}
-
-/// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares
-/// fit to all segments alike, and not to those (of one direction, of one speed) that it can be made to follow.
-///
-/// # Errors
-/// [`FitError`] of the fit.
-pub fn fit_softly(data: &Data, start: &Candidate, iterations: usize) -> Result<Fit, FitError> {
-    let free = Free::all(&start.effects);
-    let fit = data.problem().fit(start, &free, None, iterations)?;
-    levelled(data, start, &free, &fit, iterations, None)
-}
-
-/// A named effect's fit as the base model's is made, where it leaves far more than the noise too.
-pub fn settled(data: &Data, fit: Fit) -> Fit {
-    if median(fit.mse.clone()) < MISSES_MUCH * data.sigma * data.sigma {
-        return fit;
-    }
-    levelled(data, &fit.candidate, &fit.free, &fit, LAST_ITERATIONS, Some(&fit.initial)).unwrap_or(fit)
-}
-
-fn levelled(
-    data: &Data,
-    start: &Candidate,
-    free: &[Free],
-    fit: &Fit,
-    iterations: usize,
-    initial: Option<&[shooting::Start]>,
-) -> Result<Fit, FitError> {
-    let softened = data.softened(BASE_FLOOR * fit.mse.iter().sum::<f64>() / fit.mse.len() as f64);
-    softened.problem().fit(start, free, initial, iterations)
-}
-
-/// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is
-/// the model's, and a further effect is not named for finishing the fit.
-pub fn converged(data: &Data, fit: &Fit) -> Fit {
-    let problem = data.problem();
-    let mut best = fit.clone();
-    if best.converged {
-        return best;
-    }
-    for _ in 0..RESTARTS {
-        let again = [Some(best.initial.as_slice()), None]
-            .into_iter()
-            .filter_map(|initial| problem.fit(&best.candidate, &best.free, initial, LAST_ITERATIONS).ok())
-            .min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let Some(again) = again else { break };
-        let gain = best.cost - again.cost;
-        if gain > 0.0 {
-            best = again;
-        }
-        if gain < WORTH_A_RESTART {
-            break;
-        }
-    }
-    best
-}
-
-/// Form refined; for a contender iterated to the end, and thresholds searched.
-fn polished(data: &Data, fit: Fit, contender: bool) -> Fit {
-    let problem = data.problem();
-    let last = fit.candidate.effects.len() - 1;
-    let fit = if contender { converged(data, &fit) } else { fit };
-    let fit = refined(&problem, fit, last);
-    // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
-    let kind = fit.candidate.effects[last].kind;
-    if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
-}
-
-/// The model with its effect `j` replaced by each of `rivals`, simpler laws that were tried when it was named, refitted over
-/// all segments: an effect named while another was still missing may have taken that one's share. The best replacement.
-pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) -> Option<Fit> {
-    let problem = data.problem();
-    rivals
-        .par_iter()
-        .with_max_len(1)
-        .filter_map(|rival| {
-            let mut candidate = current.candidate.clone();
-            if candidate.effects.iter().any(|effect| effect.kind == rival.kind) {
-                return None;
-            }
-            candidate.effects[j] = *rival;
-            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
-        })
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-}
-
-/// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are
-/// kept only where they pay for their parameters.
-fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
-    let effect = best.candidate.effects[j];
-    let parameters = effect.kind.definition().parameters;
-    let refinements: Vec<usize> = (0..parameters.len()).filter(|i| parameters[*i].default.is_some()).collect();
-    let Some(&first) = refinements.first() else { return best };
-    let price = 10.0 + NAMING.price * refinements.len() as f64;
-    let phases: &[f64] = if refinements.len() > 1 { &[0.0, 2.0, -2.0] } else { &[0.0] };
-    phases
-        .iter()
-        .filter_map(|phase| {
-            let mut candidate = best.candidate.clone();
-            let p = &mut candidate.effects[j].p;
-            // An amplitude starts at a tenth of the first, an exponent at half its usual value.
-            p[first] = if p[first] == 0.0 { 0.1 * p[0] } else { 0.5 * p[first] };
-            if let Some(second) = refinements.get(1) {
-                p[*second] = *phase;
-            }
-            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&best.initial), FINAL_ITERATIONS).ok()
-        })
-        .filter(|fit| fit.cost < best.cost - price)
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
-        .unwrap_or(best)
-}
-
-/// Coordinate search over the parameters of effect `j` that are on a grid: ratios that shrink, the rest refitted.
-fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
-    let parameters = best.candidate.effects[j].kind.definition().parameters;
-    // A single threshold, at rest, decides by the sample at which the body starts: to a percent and finer.
-    let ratios: &[f64] = if best.free.len() == 4 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
-    for &ratio in ratios {
-        for (i, parameter) in parameters.iter().enumerate() {
-            if !matches!(parameter.search, Search::Grid(..)) || parameter.default.is_some() {
-                continue;
-            }
-            for factor in [ratio, 1.0 / ratio] {
-                // On, as long as it gets better.
-                for _ in 0..4 {
-                    let mut candidate = best.candidate.clone();
-                    candidate.effects[j].p[i] =
-                        (candidate.effects[j].p[i] * factor).clamp(parameter.min, parameter.max);
-                    let others: Vec<Free> = best.free.iter().copied().filter(|f| *f != Free::Effect(j, i)).collect();
-                    match problem.fit(&candidate, &others, Some(&best.initial), 2) {
-                        Ok(fit) if fit.cost < best.cost - 0.5 => best = Fit { free: best.free.clone(), ..fit },
-                        _ => break,
-                    }
-                }
-            }
-        }
-    }
-    problem.fit(&best.candidate, &best.free, Some(&best.initial), 5).unwrap_or(best)
 }

@@ -8,6 +8,9 @@ use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (discovery.md, method step 1).
 pub const FIT_SEGMENT_S: f64 = 0.4;
+/// The same where the motion is so sensitive (a rotor that falls into one of many teeth) that no longer segment can be
+/// followed by any model.
+pub const SHORT_SEGMENT_S: f64 = 0.1;
 /// Windows of the open-loop score, s.
 pub const OPEN_LOOP_S: f64 = 1.0;
 /// Most segments that are simulated; longer sessions are sampled evenly over the session.
@@ -27,6 +30,8 @@ pub struct Data {
     pub score: Vec<Segment>,
     /// Held-out windows of the open-loop score.
     pub open_loop: Vec<Segment>,
+    /// Length of the segments, s.
+    pub segment_s: f64,
     /// Noise floor of the position.
     pub sigma: f64,
     /// Segments there were before sampling.
@@ -36,11 +41,11 @@ pub struct Data {
 }
 
 impl Data {
-    /// Prepares recordings. Without `holdout` the last third of every recording is held out.
-    pub fn new(recordings: &[Recording], holdout: &[Recording]) -> Self {
+    /// Prepares recordings in segments of `segment_s`. Without `holdout` the last third of every recording is held out.
+    pub fn new(recordings: &[Recording], holdout: &[Recording], segment_s: f64) -> Self {
         let all: Vec<Recording> = recordings.iter().chain(holdout).cloned().collect();
         let tracks = track::session(&all);
-        let segments = shooting::segments(&tracks, FIT_SEGMENT_S);
+        let segments = shooting::segments(&tracks, segment_s);
         let open = shooting::segments(&tracks, OPEN_LOOP_S);
         let held_out = |segment: &Segment| {
             if holdout.is_empty() {
@@ -58,7 +63,7 @@ impl Data {
         let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
-        Self { tracks: tracks.into(), fit, score, open_loop, sigma, available, softening: 0.0 }
+        Self { tracks: tracks.into(), fit, score, open_loop, segment_s, sigma, available, softening: 0.0 }
     }
 
     /// The same data, judged with `softening` in place of the noise where that is larger.

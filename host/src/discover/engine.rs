@@ -5,12 +5,13 @@ use std::time::Instant;
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::candidates::{self, Round};
-use super::data::Data;
+use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::decide::paired;
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
 use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, ParameterValue, Provenance, Rung, Verdict};
 use super::ranking::{better, preference, rivals, simpler_laws, table};
+use super::refit;
 use super::screen::Screen;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
@@ -81,21 +82,41 @@ pub struct Request {
 
 /// Finds what the model misses. `progress` is told what is being done.
 ///
+/// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
+///
 /// # Errors
 /// [`DiscoverError`].
 pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
+    let mut found = within(request, FIT_SEGMENT_S, progress)?;
+    if found.verdict == Verdict::Unknown {
+        progress("looking again over shorter segments");
+        match within(request, SHORT_SEGMENT_S, progress) {
+            Ok(mut short) if !short.effects.is_empty() => {
+                short.remarks.push(format!(
+                    "no model follows the motion over {FIT_SEGMENT_S} s: fitted and scored over segments of {SHORT_SEGMENT_S} s"
+                ));
+                found = short;
+            }
+            _ => (),
+        }
+    }
+    found.seconds = began.elapsed().as_secs_f64();
+    Ok(found)
+}
+
+/// The chain over segments of one length.
+fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let units = same_units(request)?;
     progress("preparing the recordings");
-    let data = Data::new(&request.recordings, &request.holdout);
+    let data = Data::new(&request.recordings, &request.holdout, segment_s);
     if data.fit.len() < 3 || data.score.is_empty() {
-        return Err(DiscoverError::TooShort(super::data::FIT_SEGMENT_S));
+        return Err(DiscoverError::TooShort(segment_s));
     }
-    let identified = estimate::identify(&request.recordings)?;
-    let start = starting_model(request, &identified)?;
+    let (start, mut remarks) = starting_model(request)?;
     progress("fitting the base model");
-    let mut current = candidates::fit_softly(&data, &start, BASE_ITERATIONS)
-        .map_err(|error| DiscoverError::Base(error.to_string()))?;
+    let mut current =
+        refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
     let base_fit = current.clone();
     let rotary = matches!(units.x.as_str(), "rad" | "x");
     let mut ladder = vec![rung(&data, &current)];
@@ -105,7 +126,6 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
     let base_gap = Gap::of(&data, &current);
     let mut gap = base_gap;
-    let mut remarks = identified.remarks;
     while named.len() < MAX_ADDED && (named.is_empty() || !gap.only_outliers()) {
         progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
         let Some(screen) = Screen::of_all_widths(&data, &current.candidate) else { break };
@@ -113,7 +133,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let order = preference(&judged, &without, &tried, named.is_empty());
         let accepted = order.iter().copied().find_map(|index| {
-            let fit = candidates::settled(&data, candidates::converged(&judged, tried[index].fit.as_ref().ok()?));
+            let fit = refit::settled(&data, refit::converged(&judged, tried[index].fit.as_ref().ok()?));
             let after = Gap::of(&data, &fit);
             let Some(reason) = gap.refuses(&after) else { return Some((index, fit, after)) };
             remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
@@ -144,7 +164,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
         for j in 0..named.len() - 1 {
             let place = start.effects.len() + j;
-            if let Some(other) = candidates::replaced(&judged, &current, place, &simpler[j])
+            if let Some(other) = refit::replaced(&judged, &current, place, &simpler[j])
                 && !better(
                     &paired(&other.mse, &current.mse, &current.samples, judged.floor()),
                     current.free.len().saturating_sub(other.free.len()),
@@ -203,7 +223,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         remarks,
         units,
         segments: (data.fit.len() + data.score.len(), data.available),
-        seconds: began.elapsed().as_secs_f64(),
+        seconds: 0.0,
         provenance: request.provenance.clone(),
     })
 }
@@ -223,15 +243,19 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
     }
 }
 
-fn starting_model(request: &Request, identified: &estimate::Identified) -> Result<Candidate, DiscoverError> {
+/// The model to start from, and what identifying it from the recordings had to say.
+fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), DiscoverError> {
+    let identified = estimate::identify(&request.recordings)?;
     let best = &identified.best;
     let base = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
-    let Some(model) = &request.model else { return Ok(Candidate { base, effects: Vec::new() }) };
+    // What is missing is said below, and better.
+    let remarks = identified.remarks.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect();
+    let Some(model) = &request.model else { return Ok((Candidate { base, effects: Vec::new() }, remarks)) };
     let factor = (model.base.b / base.b).max(base.b / model.base.b);
     if factor > UNITS_FACTOR {
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
-    Ok(Candidate { base, effects: model.effects.clone() })
+    Ok((Candidate { base, effects: model.effects.clone() }, remarks))
 }
 
 fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
@@ -244,7 +268,8 @@ fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
             unit: unit(p.unit, units),
             meaning: p.meaning,
             value: effect.p[i],
-            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(f64::NAN),
+            // What is held, a whole number of waves, has no error.
+            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0),
         })
         .collect()
 }
@@ -254,7 +279,7 @@ fn model_se(fit: &Fit) -> Vec<Vec<f64>> {
     effects
         .map(|(j, effect)| {
             let count = effect.kind.definition().parameters.len();
-            (0..count).map(|i| fit.standard_error(Free::Effect(j, i)).unwrap_or(f64::NAN)).collect()
+            (0..count).map(|i| fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0)).collect()
         })
         .collect()
 }

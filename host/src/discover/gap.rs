@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::data::{Data, FIT_SEGMENT_S};
+use super::data::Data;
 use crate::identify::shooting::{Fit, SCORE_ITERATIONS, Segment};
 
 /// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
@@ -91,8 +91,8 @@ impl Gap {
     }
 }
 
-/// Sum of squares and samples of every open-loop window: its start is fitted to its first [`FIT_SEGMENT_S`] seconds, and what
-/// is simulated from there on sees the measurement no more.
+/// Sum of squares and samples of every open-loop window: its start is fitted to as much of it as a segment holds, and
+/// what is simulated from there on sees the measurement no more.
 pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
     let starts: Vec<Segment> = data.open_loop.iter().map(|window| beginning(data, *window)).collect();
     let open = data.over(&data.open_loop);
@@ -113,7 +113,7 @@ pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
 
 /// The part of a window to which its start is fitted.
 fn beginning(data: &Data, window: Segment) -> Segment {
-    let len = (FIT_SEGMENT_S / data.tracks[window.track].ts).round() as usize;
+    let len = (data.segment_s / data.tracks[window.track].ts).round() as usize;
     Segment { len: len.clamp(2, window.len), ..window }
 }
 

@@ -8,6 +8,7 @@ mod gap;
 pub mod next_experiment;
 pub mod outcome;
 mod ranking;
+pub mod refit;
 pub mod screen;
 mod spectrum;
 pub mod where_map;

@@ -202,11 +202,7 @@ impl<'a> Screen<'a> {
         }
         let mut effects = self.current.effects.clone();
         effects.push(effect);
-        let fitted = Base {
-            b: coefficients[0],
-            c: coefficients[1].max(0.0),
-            f1: coefficients[2].max(1e-3 * base.f1),
-        };
+        let fitted = Base { b: coefficients[0], c: coefficients[1].max(0.0), f1: coefficients[2].max(1e-3 * base.f1) };
         // The weak form's base is a starting value only where it is a plant at all.
         let base = if fitted.b > 0.2 * base.b && fitted.b < 5.0 * base.b { fitted } else { base };
         Some(Start { candidate: Candidate { base, effects }, ratio: residual.norm_squared() / self.square })

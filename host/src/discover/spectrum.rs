@@ -172,7 +172,12 @@ mod tests {
     fn comb_agrees_with_the_lines() {
         let point = |i: i32| {
             let x = 7.3 * (0.37 * f64::from(i)).sin();
-            [x, (11.0 * x).cos() + 0.1 * f64::from(i % 7), 2.0 * (0.11 * f64::from(i)).cos(), 1.0 / f64::from(1 + i % 3)]
+            [
+                x,
+                (11.0 * x).cos() + 0.1 * f64::from(i % 7),
+                2.0 * (0.11 * f64::from(i)).cos(),
+                1.0 / f64::from(1 + i % 3),
+            ]
         };
         let points: Vec<[f64; 4]> = (0..200).map(point).collect();
         let comb = comb_power(&points, 0.05, MAX_LINES, 0.02);

@@ -92,7 +92,8 @@ pub enum IdentifyError {
     /// The axis does not move, or too briefly.
     #[error(
         "the recordings hold too little motion to identify from ({windows} windows in motion, at least 12 are needed): \
-         drive the axis harder or record for longer; a relay experiment with h2 above the break-away force does it"
+         drive the axis harder or record for longer; a relay experiment with h2 above the break-away force does it. If it did \
+         move, check that --input and --position are not swapped"
     )]
     TooLittleMotion {
         /// Windows in motion.

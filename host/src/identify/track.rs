@@ -76,7 +76,10 @@ fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)
         .collect();
     let fast = &classes[classes.len() / 2..];
     let square = median(fast.iter().filter(|c| c.0 > 0.0).map(|(speed, variance)| variance / speed).collect());
-    let rest = classes.iter().map(|(speed, variance)| (variance - square * speed).max(0.1 * variance)).fold(f64::INFINITY, f64::min);
+    let rest = classes
+        .iter()
+        .map(|(speed, variance)| (variance - square * speed).max(0.1 * variance))
+        .fold(f64::INFINITY, f64::min);
     let fastest = classes.last()?.0;
     (rest > 0.0 && square * fastest > rest).then(|| (rest.sqrt(), square.sqrt()))
 }

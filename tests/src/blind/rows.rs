@@ -97,7 +97,9 @@ impl Row {
             self.named.join("+"),
             self.tied.join("+")
         );
-        for value in [self.parameter_error, self.shrink, self.over_noise, self.over_truth, self.visibility, self.seconds] {
+        for value in
+            [self.parameter_error, self.shrink, self.over_noise, self.over_truth, self.visibility, self.seconds]
+        {
             let _ = write!(line, ",{value:.4}");
         }
         line
@@ -106,7 +108,9 @@ impl Row {
     /// Reads a line; `None` for the header and for what is no row.
     pub fn parse(line: &str) -> Option<Self> {
         let cells: Vec<&str> = line.trim().split(',').collect();
-        let [experiment, hidden, size, seed, verdict, named, tied, numbers @ ..] = cells.as_slice() else { return None };
+        let [experiment, hidden, size, seed, verdict, named, tied, numbers @ ..] = cells.as_slice() else {
+            return None;
+        };
         let names = |cell: &str| cell.split('+').filter(|n| !n.is_empty()).map(str::to_owned).collect::<Vec<_>>();
         let numbers: Vec<f64> = numbers.iter().map(|n| n.parse()).collect::<Result<_, _>>().ok()?;
         let [parameter_error, shrink, over_noise, over_truth, visibility, seconds] = *numbers.as_slice() else {

@@ -76,11 +76,15 @@ pub fn markdown(rows: &[Row]) -> String {
     let clean: Vec<&Row> = rows.iter().filter(|r| r.hidden.is_empty()).collect();
     if !clean.is_empty() {
         let named = clean.iter().filter(|r| !r.named.is_empty()).count();
-        let _ = writeln!(out, "\n### Clean records\n\nA name where nothing is hidden: {}.", percent(named, clean.len()));
+        let _ =
+            writeln!(out, "\n### Clean records\n\nA name where nothing is hidden: {}.", percent(named, clean.len()));
     }
     let outside: Vec<&Row> = rows.iter().filter(|r| !r.hidden.is_empty() && !known(r)).collect();
     if !outside.is_empty() {
-        let _ = writeln!(out, "\n### Effects outside the catalogue\n\n| hidden | cases | explained | partly explained | unknown | nothing missing |\n|---|---|---|---|---|---|");
+        let _ = writeln!(
+            out,
+            "\n### Effects outside the catalogue\n\n| hidden | cases | explained | partly explained | unknown | nothing missing |\n|---|---|---|---|---|---|"
+        );
         for (hidden, rows) in groups(&outside, |r| r.hidden.join(" + ")) {
             let of = |verdict: &str| rows.iter().filter(|r| r.verdict == verdict).count();
             let _ = writeln!(
@@ -101,7 +105,12 @@ pub fn markdown(rows: &[Row]) -> String {
 fn effects(out: &mut String, rows: &[&Row]) {
     let sizes: Vec<u64> = groups(rows, |r| (10.0 * r.size_percent) as u64).into_keys().collect();
     let titles: Vec<String> = sizes.iter().map(|s| format!("{} %", *s as f64 / 10.0)).collect();
-    let _ = writeln!(out, "\n### Right of all, per effect\n\n| hidden | {} |\n|---{}|", titles.join(" | "), "|---".repeat(sizes.len()));
+    let _ = writeln!(
+        out,
+        "\n### Right of all, per effect\n\n| hidden | {} |\n|---{}|",
+        titles.join(" | "),
+        "|---".repeat(sizes.len())
+    );
     for name in CATALOGUE {
         let cells: Vec<String> = sizes
             .iter()
@@ -117,7 +126,8 @@ fn effects(out: &mut String, rows: &[&Row]) {
 
 /// What was named where it was not right.
 fn confusion(out: &mut String, rows: &[&Row]) {
-    let _ = writeln!(out, "\n### What was said where it was not right\n\n| hidden | said | size and seed |\n|---|---|---|");
+    let _ =
+        writeln!(out, "\n### What was said where it was not right\n\n| hidden | said | size and seed |\n|---|---|---|");
     let not: Vec<&Row> = rows.iter().copied().filter(|r| !r.right()).collect();
     let said = |r: &Row| {
         if r.named.is_empty() { format!("({})", r.verdict.replace('_', " ")) } else { r.named.join(" + ") }

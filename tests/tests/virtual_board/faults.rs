@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use breakaway::device::virtual_board::Fault;
+use breakaway::device::virtual_board::{Fault, MOST_GARBAGE};
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
 
 use crate::bench::{Bench, relay};
@@ -107,9 +107,11 @@ fn a_reset_during_a_run() {
 fn garbage_on_the_link() {
     let mut bench = Bench::new(|_| {});
     bench.swing();
+    bench.board.inject(Fault::Garbage(MOST_GARBAGE));
     let mut port = std::fs::OpenOptions::new().write(true).open(&bench.board.port).unwrap();
     let mut state = 1_u32;
-    let mut frames = 0;
+    // Of those injected at most: a byte in 256 is a zero, 2048/256 on average; four standard deviations more are 20.
+    let mut frames = 20;
     for _ in 0..20 {
         let noise: Vec<u8> = (0..150)
             .map(|_| {

@@ -1,102 +1,97 @@
-//! The whole loop on the virtual board: an axis with an effect nobody told of is excited, identified, the effect named, a
-//! controller tuned, the model loaded, a slow sine with its reversals followed.
-
-use std::path::Path;
+//! The whole loop on the virtual board, for each effect that is to be worth it: 0.3 V, between 6 % of the suite's strongest
+//! relay (4.75 V) and a quarter of its weakest sine (1.1 V), and half of the 0.57 V along the sine that is followed.
+//!
+//! The project's goals: with the discovered model compensated at most a half of the error that the base model leaves, and
+//! a fifth of that of the PID alone; within 1.3 of a compensator that is given the truth. Where the truth itself does
+//! not reach the first two, the last one is what can be asked for, and that it does not is asserted too.
+//!
+//! Each takes a minute. Two of them are run with all tests, the others by `cargo xtask loops`.
 
 use breakaway::command::run::papers_plant;
-use breakaway::model::Model;
-use breakaway::recording::{ReadOptions, Recording};
 use serde_json::Value;
 
 use crate::bench::{options, start};
+use crate::closing::{Closed, Hidden, close, rms};
 use crate::identify::breakaway;
 
-/// Cogging of a tenth of the largest drive in the suite, which is 3.0 V.
-const COGGING: &str = "\n[[effect]]\nname = \"cogging\"\nA = 0.3\nn = 7.0\nphi = 0.6\n";
+const COGGING: Hidden = Hidden { name: "cogging", parameters: "A = 0.3\nn = 7.0\nphi = 0.6", sine: (1.0, 0.1) };
+const STRIBECK: Hidden = Hidden { name: "stribeck", parameters: "s = 0.3\nvs = 0.5\np = 2.0", sine: (1.0, 0.1) };
+/// 5 rad: the speed, and with it the force, is a tenth of that of the suite otherwise.
+const ASYMMETRIC: Hidden = Hidden { name: "asymmetric_viscous", parameters: "d = 0.03", sine: (5.0, 0.1) };
+const POSITION: Hidden =
+    Hidden { name: "position_friction", parameters: "k = 0.6\nn = 3.0\nphi = 1.0", sine: (1.0, 0.1) };
+const LOAD: Hidden = Hidden { name: "constant_load", parameters: "f0 = 0.25", sine: (1.0, 0.1) };
 
-fn hidden(folder: &Path) -> Model {
-    let file = folder.join("plant.toml");
-    papers_plant().write(&file).unwrap();
-    let text = std::fs::read_to_string(&file).unwrap() + COGGING;
-    std::fs::write(&file, text).unwrap();
-    Model::read(&file).unwrap()
-}
+impl Closed {
+    /// Half of the base, a fifth of the PID.
+    fn worth_it(&self, error: f64) -> bool {
+        error <= 0.5 * self.base && error <= 0.2 * self.pid
+    }
 
-/// The files of a role, after `breakaway run suite`.
-fn recordings(suite: &Value, role: &str) -> Vec<String> {
-    let all = suite["recordings"].as_array().unwrap().iter();
-    all.filter(|one| one["role"] == role).map(|one| one["file"].as_str().unwrap().to_owned()).collect()
-}
+    /// The goals, all three.
+    fn reaches_the_goals(&self) {
+        assert!(self.worth_it(self.whole), "{self:?}");
+        self.is_near_the_truth();
+    }
 
-fn run<'a>(command: &'a [&'a str], files: &'a [String]) -> Vec<&'a str> {
-    command.iter().copied().chain(files.iter().map(String::as_str)).collect()
-}
+    /// The truth itself does not reach the first goal: what is asked for is what it does.
+    fn is_as_good_as_the_truth(&self) {
+        assert!(!self.worth_it(self.truth), "the truth reaches the goals, ask for them: {self:?}");
+        assert!(self.whole <= 0.2 * self.pid, "{self:?}");
+        self.is_near_the_truth();
+    }
 
-/// Errors of a run of `track`, rms, position units.
-fn rms(tracked: &Value, name: &str) -> f64 {
-    let run = tracked["runs"].as_array().unwrap().iter().find(|run| run["name"] == name);
-    run.unwrap_or_else(|| panic!("{name} is not in {tracked}"))["rms"].as_f64().unwrap()
+    /// Errors are against the encoder, whose rounding alone is 0.29 steps.
+    fn is_near_the_truth(&self) {
+        assert!(self.whole <= 1.3 * self.truth, "{self:?}");
+    }
+
+    /// The model was right: the drift watch had nothing to say of its run.
+    fn is_believed_by_the_drift_watch(&self) {
+        assert_eq!(self.tracked["runs"][2]["mismatches"], Value::Array(Vec::new()), "{self:?}");
+    }
 }
 
 #[test]
-fn what_was_discovered_on_the_board_is_compensated_by_it() {
+fn cogging_that_was_discovered_is_compensated() {
     let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let mut options = options(&hidden(folder.path()));
-    options.speed = 6.0;
-    let board = start(&options);
-    let port = board.port.as_str();
-
-    let suite = breakaway(&["run", "suite", "--port", port, "-o", &path("session")]);
-    let (fit, score) = (recordings(&suite, "fit"), recordings(&suite, "score"));
-    assert_eq!((fit.len(), score.len()), (5, 3), "{suite}");
-    let peak = |file: &String| {
-        let recording = Recording::read(file.as_ref(), &ReadOptions::default()).unwrap();
-        recording.u.iter().fold(0.0_f64, |most, u| most.max(u.abs()))
-    };
-    let drive = fit.iter().map(peak).fold(0.0, f64::max);
-
-    // The base alone misses something, and says so.
-    let base = breakaway(&run(&["identify", "-o", &path("base.toml")], &fit));
-    let discovered = path("discovered.toml");
-    let arguments = [fit.clone(), vec!["--holdout".into()], score].concat();
-    let found = breakaway(&run(&["discover", "-o", &discovered], &arguments));
-    let names: Vec<&str> = found["effects"].as_array().unwrap().iter().map(|e| e["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["cogging"], "{found}");
-
-    // 6 Hz, a small part of what the tick allows: a loop that is stiffer leaves less to compensate.
-    breakaway(&["tune", &discovered, "--bandwidth", "6", "--drive-limit", "5", "-o", &path("controller.toml")]);
-    breakaway(&["device", "--port", port, "model", "load", &discovered]);
-
-    // 0.1 Hz: 3 strokes of 2 rad with their reversals count, over 4 to 5 periods of the cogging.
-    let common = ["track", "--model", &discovered, "--controller", &path("controller.toml"), "--port", port];
-    let reference = ["--reference", "sine:1,0.1", "--duration", "20", "--settle", "5", "-o", &path("tracked")];
-    let tracked = breakaway(&[&common[..], &reference, &["--report", &path("track.html")]].concat());
-    let [pid, base_only, whole] = ["pid", "base", "model"].map(|name| rms(&tracked, name));
-    let step = options.machine.encoder_step;
-    println!(
-        "largest drive {drive:.2} V, hidden 0.3 V; identify: f1 {:.4} V; discover: {}",
-        base["f1"]["value"].as_f64().unwrap(),
-        found["effects"][0]["parameters"]
-    );
-    println!(
-        "rms error, rad: PID alone {pid:.2e}, base compensated {base_only:.2e}, whole model {whole:.2e} ({:.2} encoder \
-         steps); {:.1} times less than the base, {:.1} than the PID",
-        whole / step,
-        base_only / whole,
-        pid / whole
-    );
-    // The project's own goal for the loop. The encoder's rounding alone is 0.29 steps.
-    assert!(whole <= 0.5 * base_only, "{whole} of {base_only}");
-    assert!(whole <= 0.2 * pid, "{whole} of {pid}");
-    assert!(tracked["runs"].as_array().unwrap().iter().all(|run| run["missing"] == 0), "{tracked}");
-    // The model was right: the drift watch had nothing to say of the last run.
-    assert_eq!(tracked["runs"][2]["mismatches"], Value::Array(Vec::new()), "{tracked}");
-    for name in ["pid.csv", "base.csv", "model.csv", "error.svg"] {
+    let closed = close(COGGING, folder.path());
+    closed.reaches_the_goals();
+    closed.is_believed_by_the_drift_watch();
+    for name in ["pid.csv", "base.csv", "model.csv", "adaptive.csv", "error.svg"] {
         assert!(folder.path().join("tracked").join(name).is_file(), "{name}");
     }
-    let page = std::fs::read_to_string(path("track.html")).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("track.html")).unwrap();
     assert!(page.contains("measured") && page.contains("whole model compensated"), "the report is another's");
+}
+
+#[test]
+#[ignore = "a minute: cargo xtask loops"]
+fn stribeck_friction_that_was_discovered_is_compensated() {
+    close(STRIBECK, tempfile::tempdir().unwrap().path()).reaches_the_goals();
+}
+
+/// Of a force that changes as slowly as the speed the integral leaves 0.6 encoder steps, and with the truth compensated 0.34
+/// are left, of which rounding is 0.29: there is no half to be had with this encoder.
+#[test]
+#[ignore = "a minute: cargo xtask loops"]
+fn asymmetric_viscous_friction_that_was_discovered_is_compensated() {
+    close(ASYMMETRIC, tempfile::tempdir().unwrap().path()).is_as_good_as_the_truth();
+}
+
+#[test]
+fn position_friction_that_was_discovered_is_compensated() {
+    close(POSITION, tempfile::tempdir().unwrap().path()).reaches_the_goals();
+}
+
+/// The integral of the PID carries a constant load: feed-forward is to be no worse.
+#[test]
+#[ignore = "a minute: cargo xtask loops"]
+fn a_constant_load_is_no_worse_than_the_integral() {
+    let closed = close(LOAD, tempfile::tempdir().unwrap().path());
+    // The encoder's rounding, 0.29 steps in either, makes ratios of either of 5 %.
+    assert!(closed.whole <= 1.05 * closed.base, "{closed:?}");
+    closed.is_near_the_truth();
 }
 
 /// A reference that the board does not make itself, and one that leaves its travel, are refused before anything moves.
@@ -105,9 +100,14 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.toml");
     papers_plant().write(&model).unwrap();
+    let file = folder.path().join("reference.csv").display().to_string();
+    let rows: String =
+        (0..20).fold(String::new(), |rows, k| rows + &format!("{},{}\n", 0.1 * f64::from(k), 0.01 * f64::from(k)));
+    std::fs::write(&file, format!("t,x\n{rows}")).unwrap();
     let board = start(&options(&papers_plant()));
     for (reference, part) in [
-        ("trapezoid:1,1,10", "give it a sine"),
+        (file.as_str(), "give it a sine"),
+        ("trapezoid:50,1,10", "its travel limits leave 40.0000 rad either way"),
         ("sine:50,0.1", "its travel limits leave 40.0000 rad either way"),
         ("sine:1,900", "frequency must be above 0 and below half the tick rate"),
     ] {
@@ -116,6 +116,23 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
             crate::identify::refused(&["track", "--model", &model, "--port", &board.port, "--reference", reference]);
         assert!(said.contains(part), "{reference}: {said}");
     }
+}
+
+/// An S-curve there and back, made by the board from what the host has told it: compensated, what is left is the encoder's
+/// rounding (0.29 steps) and less than another step. The plant is the model.
+#[test]
+fn an_s_curve_is_followed_there_and_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("model.toml");
+    papers_plant().write(&model).unwrap();
+    let board = start(&options(&papers_plant()));
+    let model = model.display().to_string();
+    let reference = "s_curve:2,2,8,100,0.2";
+    let tracked = breakaway(&["track", "--model", &model, "--port", &board.port, "--reference", reference]);
+    let [pid, base] = ["pid", "base"].map(|name| rms(&tracked, name));
+    let step = tracked["runs"][1]["rms_steps"].as_f64().unwrap();
+    println!("{reference}: PID {pid:.2e}, compensated {base:.2e} rad, {step:.2} steps");
+    assert!(step < 1.0 && base < 0.2 * pid, "{tracked}");
 }
 
 /// The demo tells the same story of another effect. Of the base model half of the Stribeck effect is left at least.

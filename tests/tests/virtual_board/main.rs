@@ -1,6 +1,7 @@
 //! The firmware's image under QEMU, with the simulated plant in lock-step, and the host's tools on its pseudo-terminal.
 
 mod bench;
+mod closing;
 mod discover;
 mod faults;
 mod flash;

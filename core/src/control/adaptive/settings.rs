@@ -1,6 +1,7 @@
 //! What the adaptive law is told: start values, adaptation gains, and why they are refused.
 
 use crate::control::tuning::TuningError;
+use crate::scalar::Real;
 
 /// What the law adapts, or starts from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,22 +18,22 @@ pub struct Estimates<R> {
 
 /// How fast the law adapts, and within what.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adaptation {
+pub struct Adaptation<F = f64> {
     /// kb, kc, kf1, kf: in the units of the parameter squared over (drive unit·X).
-    pub gains: Estimates<f64>,
+    pub gains: Estimates<F>,
     /// Leak of f̂, in X/s per drive unit; 0 for none.
-    pub sigma: f64,
+    pub sigma: F,
     /// δ, X/s; > 0.
-    pub delta: f64,
+    pub delta: F,
     /// Smallest b̂; ≥ 0.
-    pub b_min: f64,
+    pub b_min: F,
     /// Kv·s in u_c instead of the paper's Kv·s_Δ, so that the PID of remark 1 goes on within δ (erratum 33). The proof
     /// stays: s·s_Δ ≥ s_Δ², so V̇ ≤ −Kv·b·s_Δ² all the same.
     pub pid_inside: bool,
     /// Largest speed of the reference that is expected, X/s: for the gains' limit only.
-    pub speed: f64,
+    pub speed: F,
     /// Largest acceleration of the reference that is expected, X/s²: for the gains' limit only.
-    pub acceleration: f64,
+    pub acceleration: F,
 }
 
 /// Why an adaptive controller is refused; with the largest gain that would do.
@@ -72,27 +73,27 @@ pub enum AdaptiveError {
     },
 }
 
-impl Adaptation {
+impl<F: Real> Adaptation<F> {
     /// Gains in proportion to the squares of the start values, so that one number sets the speed of all: along a
     /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate` rad/s.
     /// With F = b·acceleration + c·speed + f1, `k_i = (b·rate²/F²)·θ_i²`.
     ///
     /// δ is the speed error within which nothing adapts (X/s); a few encoder steps per filter time.
-    pub fn normalised(start: &Estimates<f64>, rate: f64, speed: f64, acceleration: f64, delta: f64) -> Self {
+    pub fn normalised(start: &Estimates<F>, rate: F, speed: F, acceleration: F, delta: F) -> Self {
         let largest = start.b * acceleration + start.c * speed + start.f1;
-        let scale = if largest > 0.0 { start.b * rate * rate / (largest * largest) } else { 0.0 };
-        let gain = |value: f64| scale * value * value;
+        let scale = if largest > F::ZERO { start.b * rate * rate / (largest * largest) } else { F::ZERO };
+        let gain = |value: F| scale * value * value;
         Self {
             gains: Estimates {
                 b: gain(start.b),
                 c: gain(start.c),
                 f1: gain(start.f1),
                 // What is missed is taken to be a tenth of the friction.
-                f: gain(0.1 * start.f1),
+                f: gain(start.f1.scale(0.1)),
             },
-            sigma: if start.f1 > 0.0 { delta / start.f1 } else { 0.0 },
+            sigma: if start.f1 > F::ZERO { delta / start.f1 } else { F::ZERO },
             delta,
-            b_min: 0.2 * start.b,
+            b_min: start.b.scale(0.2),
             pid_inside: true,
             speed,
             acceleration,

@@ -66,7 +66,7 @@ proptest! {
             let reference = Setpoint { x, v, a };
             let u = compensator.inverse(compensator.drive(reference), v);
             let exact = needed(&effects, x, v, a);
-            let at = Instant { t: 0.0, x, v: 0.0, u: exact };
+            let at = Instant { t: 0.0, x, v: 0.0, u: exact, over_s: 0.0 };
             let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, at));
             let ramp = if effects[0].kind == Kind::DeadZone && exact.abs() < 0.35 { 0.1 } else { 0.0 };
             // The slope of the dead time's inverse is 1.5 within its ramp.
@@ -80,7 +80,7 @@ proptest! {
     fn friction_stays_below_breakaway(x in -3.0..3.0_f64, v in -3.0..3.0_f64, a in -20.0..20.0_f64) {
         let effects = [effect(Kind::Stribeck), effect(Kind::PositionFriction)];
         let compensator = Compensator::<f64>::new(&BASE, &effects).unwrap().on();
-        let at = Instant { t: 0.0, x, v: 0.0, u: 0.0 };
+        let at = Instant { t: 0.0, x, v: 0.0, u: 0.0, over_s: 0.0 };
         let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, at) + e.breakaway());
         let feed = compensator.feed(Setpoint { x, v, a });
         prop_assert!(feed.friction.abs() < rest && feed.friction * v >= 0.0);

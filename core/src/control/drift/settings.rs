@@ -1,30 +1,32 @@
 //! Settings of the drift watch, and why they are refused.
 
 use crate::control::compensator::CompensatorError;
+use crate::scalar::Real;
 
 /// Settings of the watch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriftSettings {
+pub struct DriftSettings<F = f64> {
     /// ωo, rad/s; several times the motion's own frequencies, well below 1/Ts.
-    pub bandwidth_rad_s: f64,
+    pub bandwidth_rad_s: F,
     /// Speed below which the axis counts as resting, X/s; > 0.
-    pub rest_speed: f64,
+    pub rest_speed: F,
     /// Blocks of either direction that teach mean and scale; at least 8.
     pub calibration: u32,
     /// k: what a block may be off, in units of the scale; > 0.
-    pub slack: f64,
+    pub slack: F,
     /// h: the alarm's level; > 0.
-    pub threshold: f64,
+    pub threshold: F,
     /// Smallest scale, drive units: a residual that happened to be still in the calibrated stretch must not make the
     /// watch nervous.
-    pub smallest_scale: f64,
+    pub smallest_scale: F,
 }
 
-impl DriftSettings {
+impl<F: Real> DriftSettings<F> {
     /// Settings for a model with Coulomb friction `f1` (drive units) followed at ωo: slack 1, alarm at 12 (Gaussian
     /// blocks: one false alarm in 10¹¹ of them), 64 blocks of calibration, a scale of 2 % of f1 at least.
-    pub const fn usual(bandwidth_rad_s: f64, rest_speed: f64, f1: f64) -> Self {
-        Self { bandwidth_rad_s, rest_speed, calibration: 64, slack: 1.0, threshold: 12.0, smallest_scale: 0.02 * f1 }
+    pub fn usual(bandwidth_rad_s: F, rest_speed: F, f1: F) -> Self {
+        let (slack, threshold) = (F::ONE, F::from_f64(12.0));
+        Self { bandwidth_rad_s, rest_speed, calibration: 64, slack, threshold, smallest_scale: f1.scale(0.02) }
     }
 }
 

@@ -6,6 +6,51 @@ use crate::control::fast::Fast;
 /// Most segments of a profile.
 const SEGMENTS: usize = 7;
 
+/// Times of a move in whole ticks: what a board is told of it. The acceleration is that of `acceleration` ticks between two
+/// phases of `jerk` ticks each; without jerk phases the velocity is a trapezoid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phases {
+    /// Ticks of each of the four phases in which the acceleration changes.
+    pub jerk: u32,
+    /// Ticks of constant acceleration, and of constant deceleration.
+    pub acceleration: u32,
+    /// Ticks of constant speed.
+    pub cruise: u32,
+}
+
+/// Profiles and rests are shorter than this, ticks.
+const LONGEST: u64 = 1 << 30;
+
+impl Phases {
+    /// All of them together; `None` where that is too long, or where nothing accelerates.
+    pub fn ticks(&self) -> Option<u32> {
+        let total = 4 * u64::from(self.jerk) + 2 * u64::from(self.acceleration) + u64::from(self.cruise);
+        let moves = self.jerk > 0 || self.acceleration > 0;
+        (moves && total < LONGEST).then_some(total as u32)
+    }
+
+    /// Largest speed (X/s) and acceleration (X/s²) of a move over `distance` (X), both ≥ 0.
+    pub fn peaks(&self, distance: f32, tick_hz: f32) -> (f32, f32) {
+        let [jerk, acceleration, cruise] = [self.jerk, self.acceleration, self.cruise].map(|ticks| ticks as f32);
+        let ramp = jerk + acceleration;
+        let speed = distance.abs() * tick_hz / (ramp + jerk + cruise);
+        (speed, speed * tick_hz / ramp)
+    }
+
+    /// From the times (s) of jerk, constant acceleration and cruise.
+    fn from_times(times: [f64; 3], tick_s: f64) -> Result<Self, TrajectoryError> {
+        // Rounded up, but not for the last bit of a quotient that is whole.
+        let [jerk, acceleration, cruise] = times.map(|t| libm::ceil(t / tick_s - 1e-9).max(0.0));
+        let total = 4.0 * jerk + 2.0 * acceleration + cruise;
+        if total.is_nan() || total >= LONGEST as f64 - 2.0 {
+            return Err(TrajectoryError::Duration);
+        }
+        // A move needs a tick of acceleration at least.
+        let acceleration = if jerk + acceleration > 0.0 { acceleration } else { 1.0 };
+        Ok(Self { jerk: jerk as u32, acceleration: acceleration as u32, cruise: cruise as u32 })
+    }
+}
+
 /// A piece of a profile: constant jerk from tick `from` on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Segment<R> {
@@ -40,11 +85,24 @@ impl<R: Fast> Profile<R> {
     /// # Errors
     /// [`TrajectoryError`] names the parameter.
     pub fn trapezoid(distance: f64, speed: f64, acceleration: f64, tick_s: f64) -> Result<Self, TrajectoryError> {
+        Self::in_ticks(distance, Self::trapezoid_phases(distance, speed, acceleration, tick_s)?, tick_s)
+    }
+
+    /// The times of [`Self::trapezoid`].
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] names the parameter.
+    pub fn trapezoid_phases(
+        distance: f64,
+        speed: f64,
+        acceleration: f64,
+        tick_s: f64,
+    ) -> Result<Phases, TrajectoryError> {
         Self::check(distance, speed, acceleration, tick_s)?;
         let d = distance.abs();
         let reached = speed.min(libm::sqrt(d * acceleration));
         let cruise = if reached > 0.0 { (d / reached - reached / acceleration).max(0.0) } else { 0.0 };
-        Self::from_times(distance, [0.0, reached / acceleration, cruise], tick_s)
+        Phases::from_times([0.0, reached / acceleration, cruise], tick_s)
     }
 
     /// An S-curve: at most `speed`, `acceleration` and `jerk` (X/s³, > 0), as [`Self::trapezoid`].
@@ -58,6 +116,20 @@ impl<R: Fast> Profile<R> {
         jerk: f64,
         tick_s: f64,
     ) -> Result<Self, TrajectoryError> {
+        Self::in_ticks(distance, Self::s_curve_phases(distance, speed, acceleration, jerk, tick_s)?, tick_s)
+    }
+
+    /// The times of [`Self::s_curve`].
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] names the parameter.
+    pub fn s_curve_phases(
+        distance: f64,
+        speed: f64,
+        acceleration: f64,
+        jerk: f64,
+        tick_s: f64,
+    ) -> Result<Phases, TrajectoryError> {
         Self::check(distance, speed, acceleration, tick_s)?;
         if !(jerk.is_finite() && jerk > 0.0) {
             return Err(TrajectoryError::Jerk);
@@ -87,7 +159,7 @@ impl<R: Fast> Profile<R> {
         }
         let (tj, ta) = times(peak);
         let cruise = if peak > 0.0 { (d / peak - 2.0 * tj - ta).max(0.0) } else { 0.0 };
-        Self::from_times(distance, [tj, ta, cruise], tick_s)
+        Phases::from_times([tj, ta, cruise], tick_s)
     }
 
     /// The same move, then back after a rest of `rest_s`, and so on without end.
@@ -99,8 +171,14 @@ impl<R: Fast> Profile<R> {
         if !(0.0..1_073_741_824.0).contains(&rest) {
             return Err(TrajectoryError::Duration);
         }
-        // Both below 2³⁰ and 2³¹.
-        Ok(Self { half_period: (self.length + rest as u32).max(1), shuttle: true, ..self })
+        Ok(self.shuttle(rest as u32))
+    }
+
+    /// The same with the rest in ticks, cut at 2³⁰ of them.
+    #[must_use]
+    pub fn shuttle(self, rest_ticks: u32) -> Self {
+        // Both at most 2³⁰.
+        Self { half_period: (self.length + rest_ticks.min(LONGEST as u32)).max(1), shuttle: true, ..self }
     }
 
     /// Ticks of one move, without the rest.
@@ -151,16 +229,17 @@ impl<R: Fast> Profile<R> {
         Ok(())
     }
 
-    /// From the times (s) of jerk, constant acceleration and cruise.
-    fn from_times(distance: f64, times: [f64; 3], tick_s: f64) -> Result<Self, TrajectoryError> {
-        // Rounded up, but not for the last bit of a quotient that is whole.
-        let [tj, ta, tv] = times.map(|t| libm::ceil(t / tick_s - 1e-9).max(0.0));
-        // A move needs a tick of acceleration at least.
-        let ta = if tj + ta > 0.0 { ta } else { 1.0 };
-        let total = 4.0 * tj + 2.0 * ta + tv;
-        if total.is_nan() || total >= 1_073_741_824.0 {
-            return Err(TrajectoryError::Duration);
+    /// A move over `distance` (X, either sign) in these phases of ticks of `tick_s` s.
+    ///
+    /// # Errors
+    /// [`TrajectoryError::Tick`], [`TrajectoryError::Distance`], [`TrajectoryError::Duration`].
+    pub fn in_ticks(distance: f64, phases: Phases, tick_s: f64) -> Result<Self, TrajectoryError> {
+        check_tick(tick_s)?;
+        if !distance.is_finite() {
+            return Err(TrajectoryError::Distance);
         }
+        let length = phases.ticks().ok_or(TrajectoryError::Duration)?;
+        let [tj, ta, tv] = [phases.jerk, phases.acceleration, phases.cruise].map(f64::from);
         // Speeds and accelerations that cover the distance in these times: none exceeds its limit, as all times grew.
         let v = distance / ((2.0 * tj + ta + tv) * tick_s);
         let a = v / ((tj + ta) * tick_s);
@@ -190,8 +269,8 @@ impl<R: Fast> Profile<R> {
         Ok(Self {
             segments,
             used,
-            length: total as u32,
-            half_period: total as u32,
+            length,
+            half_period: length,
             shuttle: false,
             distance: R::from_f64(distance),
             tick: R::from_f64(tick_s),

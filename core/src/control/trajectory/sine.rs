@@ -11,8 +11,6 @@ pub struct Sine<R> {
     word: u32,
     /// A, Aω, −Aω².
     scale: [R; 3],
-    /// A quarter of a turn.
-    quarter: R,
 }
 
 impl<R: Fast> Sine<R> {
@@ -28,18 +26,12 @@ impl<R: Fast> Sine<R> {
         }
         let nco = Nco::new(core::f64::consts::TAU * frequency_hz, tick_s).map_err(|_| TrajectoryError::Frequency)?;
         let w = nco.radians_per_sample() / tick_s;
-        Ok(Self {
-            word: nco.word(),
-            scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64),
-            quarter: R::from_f64(0.25),
-        })
+        Ok(Self { word: nco.word(), scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64) })
     }
 
     /// The reference at tick `k`; it repeats without end.
     pub fn at(&self, k: u32) -> Setpoint<R> {
-        let turns = R::from_phase(self.word.wrapping_mul(k));
-        let sin = turns.sin_turns();
-        let cos = (turns + self.quarter).sin_turns();
+        let (sin, cos) = R::from_phase(self.word.wrapping_mul(k)).sin_cos_turns();
         Setpoint { x: self.scale[0] * sin, v: self.scale[1] * cos, a: self.scale[2] * sin }
     }
 }

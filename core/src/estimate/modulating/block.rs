@@ -98,9 +98,10 @@ impl Block {
         }
         self.rows_per_window = if real_only { 1 } else { 2 };
         self.length = length;
-        let size = libm::hypot(rows[0][SLOPE], rows[1][SLOPE]);
-        let (cos, sin) =
-            if real_only || size <= 0.0 { (1.0, 0.0) } else { (rows[0][SLOPE] / size, rows[1][SLOPE] / size) };
+        let [re, im] = [rows[0][SLOPE], rows[1][SLOPE]];
+        // Below 1e120: the squares neither overflow nor, for anything that moves, vanish.
+        let size = libm::sqrt(re * re + im * im);
+        let (cos, sin) = if real_only || size <= 0.0 { (1.0, 0.0) } else { (re / size, im / size) };
         let mut turned = [[0.0; COLUMNS]; 2];
         for (k, (&re, &im)) in rows[0].iter().zip(&rows[1]).enumerate() {
             turned[0][k] = re * cos + im * sin;

@@ -34,8 +34,9 @@ mod edges;
 mod solve;
 
 pub use block::{Block, COLUMNS};
-pub use solve::{BaseEstimate, Parameter, Refusal, estimate};
+pub use solve::{BaseEstimate, Parameter, Refusal, estimate, estimate_base};
 
+use crate::estimate::angle::sin_cos;
 use crate::scalar::Real;
 use edges::{Edge, Interval, interval};
 
@@ -419,6 +420,7 @@ fn rotate<R: Real>(a: (R, R), b: (R, R)) -> (R, R) {
 
 /// e^(±j2π·turns/of).
 fn phasor<R: Real>(direction: f64, turns: u32, of: u32) -> (R, R) {
-    let angle = R::from_f64(direction * core::f64::consts::TAU * f64::from(turns) / f64::from(of));
-    (angle.cos(), angle.sin())
+    let angle = direction * core::f64::consts::TAU * f64::from(turns) / f64::from(of);
+    let (sin, cos) = sin_cos(angle);
+    (R::from_f64(cos), R::from_f64(sin))
 }

@@ -114,23 +114,22 @@ const LARGEST_SHARE_ERROR: f64 = 0.25;
 /// # Errors
 /// [`Refusal`] names what the data cannot determine; its advice names the experiment that would.
 pub fn estimate(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
-    let problem = Problem { experiments };
-    if problem.blocks().next().is_none() {
-        let all = || experiments.iter().copied().flatten();
-        return Err(if all().any(|block| block.skipped > 0) {
-            Refusal::NoMotion
-        } else if all().any(|block| block.not_finite > 0) {
-            Refusal::NotFinite
-        } else {
-            Refusal::TooShort
-        });
-    }
-    if problem.one_direction() {
-        return Err(Refusal::OneDirection);
-    }
-    if problem.blocks().any(|block| block.rows_per_window == 1) { problem.solve::<4>() } else { problem.solve::<3>() }
+    let problem = Problem::checked(experiments)?;
+    if problem.asks_for_load() { problem.solve::<4>() } else { problem.solve::<3>() }
 }
 
+/// As [`estimate`], for blocks without a window of multiple 0: where none asks for the load, the code that would find it
+/// is not there either (4 KiB on a microcontroller).
+///
+/// # Errors
+/// As [`estimate`]; and [`Refusal::Undetermined`] names the load where a block asks for it.
+pub fn estimate_base(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
+    let problem = Problem::checked(experiments)?;
+    if problem.asks_for_load() {
+        return Err(Refusal::Undetermined(Parameter::Load));
+    }
+    problem.solve::<3>()
+}
 #[derive(Clone, Copy)]
 struct Problem<'a> {
     experiments: &'a [&'a [Block]],
@@ -181,25 +180,62 @@ struct Outcome<const N: usize> {
 }
 
 impl<'a> Problem<'a> {
-    fn blocks(self) -> impl Iterator<Item = &'a Block> {
-        self.experiments.iter().copied().flatten().filter(|block| block.windows > 0)
+    fn checked(experiments: &'a [&'a [Block]]) -> Result<Self, Refusal> {
+        let problem = Problem { experiments };
+        if problem.rows() == 0 {
+            let (mut skipped, mut not_finite) = (false, false);
+            for &blocks in experiments {
+                for block in blocks {
+                    skipped |= block.skipped > 0;
+                    not_finite |= block.not_finite > 0;
+                }
+            }
+            return Err(match (skipped, not_finite) {
+                (true, _) => Refusal::NoMotion,
+                (false, true) => Refusal::NotFinite,
+                (false, false) => Refusal::TooShort,
+            });
+        }
+        if problem.one_direction() {
+            return Err(Refusal::OneDirection);
+        }
+        Ok(problem)
     }
 
-    fn parts(self) -> impl Iterator<Item = Part<'a>> {
-        self.blocks().flat_map(|block| {
+    fn asks_for_load(self) -> bool {
+        let mut asks = false;
+        self.blocks(&mut |block| asks |= block.rows_per_window == 1);
+        asks
+    }
+
+    /// Visits the blocks that have windows. One copy of the loop for all who visit, as in [`Self::parts`].
+    #[inline(never)]
+    fn blocks(self, visit: &mut dyn FnMut(&'a Block)) {
+        for &blocks in self.experiments {
+            for block in blocks {
+                if block.windows > 0 {
+                    visit(block);
+                }
+            }
+        }
+    }
+
+    /// Visits the equations.
+    #[inline(never)]
+    fn parts(self, visit: &mut dyn FnMut(&Part<'a>)) {
+        self.blocks(&mut |block| {
             let used = block.rows_per_window as usize;
-            let parts = block.phases.iter().take(used).enumerate();
-            parts.map(|(index, phase)| Part {
-                phase,
-                rows: f64::from(block.windows),
-                length: block.length,
-                quadrature: index == 1,
-            })
-        })
+            for (index, phase) in block.phases.iter().take(used).enumerate() {
+                let rows = f64::from(block.windows);
+                visit(&Part { phase, rows, length: block.length, quadrature: index == 1 });
+            }
+        });
     }
 
     fn rows(self) -> u32 {
-        self.blocks().fold(0, |sum, block| sum.saturating_add(block.rows()))
+        let mut rows: u32 = 0;
+        self.blocks(&mut |block| rows = rows.saturating_add(block.rows()));
+        rows
     }
 
     fn solve<const N: usize>(self) -> Result<BaseEstimate, Refusal> {
@@ -207,10 +243,10 @@ impl<'a> Problem<'a> {
         for _ in 1..ROUNDS {
             let parameters = self.once(&round)?.parameters;
             // The floor stands for the rounding of the sums, where the data fit exactly.
-            let power: f64 = self
-                .parts()
-                .map(|part| residual(&part.phase.gram, &parameters).max(0.0) + 1e-15 * part.phase.gram[DRIVE][DRIVE])
-                .sum();
+            let mut power = 0.0;
+            self.parts(&mut |part| {
+                power += residual(&part.phase.gram, &parameters).max(0.0) + 1e-15 * part.phase.gram[DRIVE][DRIVE];
+            });
             round = Round { parameters, pooled: Some(power / f64::from(self.rows().max(1))) };
         }
         let outcome = self.once(&round)?;
@@ -228,8 +264,8 @@ impl<'a> Problem<'a> {
             instrument: [[0.0; N]; N],
             instrument_drive: [0.0; N],
         };
-        for part in self.parts() {
-            let weight = round.weight(&part);
+        self.parts(&mut |part| {
+            let weight = round.weight(part);
             for (i, column) in columns.iter().enumerate() {
                 let instrument = !(part.quadrature && i == SIGN);
                 for (j, other) in columns.iter().enumerate() {
@@ -246,7 +282,7 @@ impl<'a> Problem<'a> {
                 }
             }
             sums.square += weight * part.phase.gram[DRIVE][DRIVE];
-        }
+        });
         // Least squares says whether the parameters can be told apart; the instruments give them without bias.
         let equations = NormalEquations::from_sums(sums.gram, sums.drive, sums.square, self.rows());
         let least_squares = match equations.solve(MAX_CONDITION) {
@@ -285,19 +321,27 @@ impl<'a> Problem<'a> {
 
     /// Whether ∫φ·sgn v is nothing but rounding in all windows that reject a constant.
     fn one_direction(self) -> bool {
-        let complex = || self.blocks().filter(|block| block.rows_per_window == 2);
-        let sign: f64 = complex().flat_map(|block| &block.phases).map(|phase| phase.gram[SIGN][SIGN]).sum();
-        let full: f64 = complex().map(|block| f64::from(block.rows()) * block.length * block.length).sum();
+        let (mut sign, mut full) = (0.0, 0.0);
+        self.blocks(&mut |block| {
+            if block.rows_per_window == 2 {
+                sign += block.phases[0].gram[SIGN][SIGN] + block.phases[1].gram[SIGN][SIGN];
+                full += f64::from(block.rows()) * block.length * block.length;
+            }
+        });
         full > 0.0 && sign <= 1e-9 * full
     }
 
     /// The refusal for a column; c and f1 together have a plainer name.
     fn name(self, column: usize) -> Refusal {
-        let sum = |i: usize, j: usize| self.parts().map(|part| part.phase.gram[i][j]).sum::<f64>();
-        let cross = sum(1, SIGN);
+        let (mut cross, mut speed, mut sign) = (0.0, 0.0, 0.0);
+        self.parts(&mut |part| {
+            cross += part.phase.gram[1][SIGN];
+            speed += part.phase.gram[1][1];
+            sign += part.phase.gram[SIGN][SIGN];
+        });
         match column {
             0 => Refusal::Undetermined(Parameter::Inertia),
-            1 | 2 if cross * cross > 0.9 * sum(1, 1) * sum(SIGN, SIGN) => Refusal::SingleSpeed,
+            1 | 2 if cross * cross > 0.9 * speed * sign => Refusal::SingleSpeed,
             1 => Refusal::Undetermined(Parameter::Damping),
             2 => Refusal::Undetermined(Parameter::Coulomb),
             _ => Refusal::Undetermined(Parameter::Load),
@@ -312,8 +356,8 @@ impl<'a> Problem<'a> {
         // Meat of the sandwich: Σ w²σ² (ZᵀZ + ρ(C + Cᵀ)), ρ the residuals' correlation from window to window.
         let mut meat = [[0.0; N]; N];
         let (mut power, mut lengths) = (0.0, 0.0);
-        for part in self.parts() {
-            let weight = round.weight(&part);
+        self.parts(&mut |part| {
+            let weight = round.weight(part);
             let own = residual(&part.phase.gram, &parameters).max(0.0);
             let next = residual(&part.phase.lag, &parameters);
             let correlation = if own > 0.0 { (next / own).clamp(0.0, 0.5) } else { 0.0 };
@@ -329,7 +373,9 @@ impl<'a> Problem<'a> {
             }
             power += own;
             lengths += part.rows * part.length * part.length;
-        }
+        });
+        let mut windows: u32 = 0;
+        self.blocks(&mut |block| windows = windows.saturating_add(block.windows));
         let covariance = sandwich(&outcome.inverse, &meat);
         BaseEstimate {
             b: parameters[0],
@@ -339,7 +385,7 @@ impl<'a> Problem<'a> {
             standard_errors: core::array::from_fn(|k| libm::sqrt(covariance[k][k].max(0.0))),
             covariance,
             condition: outcome.least_squares.condition,
-            windows: self.blocks().fold(0, |sum, block| sum.saturating_add(block.windows)),
+            windows,
             residual: libm::sqrt(power / lengths.max(f64::MIN_POSITIVE)),
         }
     }

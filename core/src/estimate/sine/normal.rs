@@ -36,6 +36,19 @@ impl<const N: usize> Normal<N> {
         self.rows += 1;
     }
 
+    /// vᵀGv = Σ(row·v)².
+    pub(super) fn square(&self, v: &[f64; N]) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..N {
+            let mut line = 0.5 * self.gram[i][i] * v[i];
+            for j in 0..i {
+                line += self.gram[i][j] * v[j];
+            }
+            sum += 2.0 * v[i] * line;
+        }
+        sum
+    }
+
     /// None if the columns are linearly dependent.
     pub(super) fn factor(&self) -> Option<Factor<N>> {
         if self.rows < N {

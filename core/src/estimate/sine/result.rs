@@ -3,6 +3,7 @@
 use super::normal::{Factor, dot};
 use super::refine::Point;
 use super::{SineError, SineModel};
+use crate::estimate::angle::angle_of;
 use core::f64::consts::TAU;
 
 /// A fitted sine `y = A·sin(ω(t − t_ref) + θ) + d`.
@@ -82,7 +83,8 @@ pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f
 
 /// Wraps an angle to −π..π.
 pub(super) fn wrap(angle: f64) -> f64 {
-    libm::remainder(angle, TAU)
+    // Not `remainder`, a long division: what rounding leaves here is what it left in the angle.
+    angle - TAU * libm::round(angle / TAU)
 }
 
 /// What scales the dimensionless solution back to the record.
@@ -112,7 +114,8 @@ impl SineFit {
         scales: &Scales,
     ) -> Result<Self, SineError> {
         let at = |i: usize| point.theta.get(i).copied().unwrap_or(0.0);
-        let amplitude = libm::hypot(at(0), at(1));
+        let size = |i: usize| libm::sqrt(at(i) * at(i) + at(i + 1) * at(i + 1));
+        let amplitude = size(0);
         if amplitude.is_nan() {
             return Err(SineError::NotFinite);
         }
@@ -123,7 +126,7 @@ impl SineFit {
         let parameters = N + usize::from(scales.free);
         let freedom = scales.samples.saturating_sub(parameters).max(1) as f64;
         let variance = rss.max(0.0) / freedom;
-        let phase_centre = libm::atan2(at(1), at(0));
+        let phase_centre = angle_of(at(0), at(1), amplitude);
         let (unit_p, unit_q) = (at(0) / amplitude, at(1) / amplitude);
         let covariance = Covariance {
             factor: &point.factor,
@@ -138,8 +141,8 @@ impl SineFit {
         let span = 2.0 * scales.half * scales.samples as f64 / (scales.samples.saturating_sub(1).max(1)) as f64;
         let harmonic = |index: Option<usize>| {
             index.map(|i| Harmonic {
-                amplitude: scales.signal * libm::hypot(at(i), at(i + 1)),
-                phase_centre_rad: libm::atan2(at(i + 1), at(i)),
+                amplitude: scales.signal * size(i),
+                phase_centre_rad: angle_of(at(i), at(i + 1), size(i)),
             })
         };
         let offset = model.offset_index();

@@ -19,6 +19,18 @@ pub trait Sample: Copy + core::fmt::Debug + sealed::Sealed {
         sums: &mut Self::Sums,
         power: &mut Self::Power,
     ) -> (u32, bool);
+    /// [`Sample::accumulate`] of one sample, as a control loop takes them.
+    #[inline]
+    fn accumulate_one(
+        self,
+        reference: Self,
+        phase: u32,
+        word: u32,
+        sums: &mut Self::Sums,
+        power: &mut Self::Power,
+    ) -> (u32, bool) {
+        Self::accumulate(core::slice::from_ref(&self), reference, phase, word, sums, power)
+    }
     /// Adds the sums of a neighbouring block; false if an integer left its range.
     fn merge(into: &mut Self::Sums, other: &Self::Sums) -> bool;
     /// Σ y·cos φ, Σ y·sin φ, Σ y.
@@ -56,6 +68,12 @@ pub struct CountSums {
 /// and 2³² products of 2²⁰ counts fit an i64.
 const PRODUCT_SHIFT: u32 = 20;
 
+/// Counts times Q30, in Q10.
+#[inline]
+fn rounded_product(counts: i32, q30: i32) -> i64 {
+    (i64::from(counts) * i64::from(q30) + (1 << (PRODUCT_SHIFT - 1))) >> PRODUCT_SHIFT
+}
+
 impl Sample for i32 {
     type Sums = CountSums;
     type Power = u128;
@@ -77,17 +95,33 @@ impl Sample for i32 {
                 in_range &= !overflow;
                 let (sin, cos) = nco::sin_cos(phase);
                 phase = phase.wrapping_add(word);
-                let y = i64::from(y);
-                let half = 1 << (PRODUCT_SHIFT - 1);
-                cos_sum += (y * i64::from(cos) + half) >> PRODUCT_SHIFT;
-                sin_sum += (y * i64::from(sin) + half) >> PRODUCT_SHIFT;
-                sum += y;
-                *power = power.saturating_add((y * y) as u128);
+                cos_sum += rounded_product(y, cos);
+                sin_sum += rounded_product(y, sin);
+                sum += i64::from(y);
+                *power = power.wrapping_add((i64::from(y) * i64::from(y)) as u128);
             }
             in_range &= Self::merge(sums, &CountSums { cos_q10: cos_sum, sin_q10: sin_sum, sum });
         }
         (phase, in_range)
     }
+    #[inline]
+    fn accumulate_one(
+        self,
+        reference: Self,
+        phase: u32,
+        word: u32,
+        sums: &mut CountSums,
+        power: &mut u128,
+    ) -> (u32, bool) {
+        let (y, overflow) = self.overflowing_sub(reference);
+        let (sin, cos) = nco::sin_cos(phase);
+        let (cos_q10, sin_q10) = (rounded_product(y, cos), rounded_product(y, sin));
+        // 2⁶⁴ squares of 2⁶² fit: it never wraps.
+        *power = power.wrapping_add((i64::from(y) * i64::from(y)) as u128);
+        let in_range = Self::merge(sums, &CountSums { cos_q10, sin_q10, sum: i64::from(y) });
+        (phase.wrapping_add(word), in_range && !overflow)
+    }
+    #[inline]
     fn merge(into: &mut CountSums, other: &CountSums) -> bool {
         let (cos_q10, a) = into.cos_q10.overflowing_add(other.cos_q10);
         let (sin_q10, b) = into.sin_q10.overflowing_add(other.sin_q10);

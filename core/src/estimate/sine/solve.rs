@@ -16,6 +16,7 @@ use super::normal::Normal;
 use super::refine::{Border, Point, refine};
 use super::result::{Scales, SineFit};
 use super::{MIN_CYCLES_FREE, SineError};
+use crate::estimate::angle::sin_cos;
 use crate::estimate::nco::Nco;
 use core::f64::consts::{PI, TAU};
 
@@ -54,7 +55,7 @@ impl Block {
         // The phase at the centre, exactly: the centre may lie between two samples, so in half steps modulo 2³³.
         let twice_centre = 2_u64.wrapping_mul(start).wrapping_add(length).wrapping_sub(1);
         let half_steps = u64::from(nco.word()).wrapping_mul(twice_centre) & ((1 << 33) - 1);
-        let (s, c) = libm::sincos(half_steps as f64 * (TAU / 8_589_934_592.0));
+        let (s, c) = sin_cos(half_steps as f64 * (TAU / 8_589_934_592.0));
         Self { centre: 0.5 * twice_centre as f64, length, cos: cos * c + sin * s, sin: sin * c - cos * s, sum }
     }
 }
@@ -69,8 +70,8 @@ fn dirichlet(alpha: f64, length: f64) -> (f64, f64) {
         let a2 = alpha * alpha;
         return (length - a2 * (m2 / 2.0 - a2 * m4 / 24.0), -alpha * (m2 - a2 * m4 / 6.0));
     }
-    let (sin_l, cos_l) = libm::sincos(0.5 * x);
-    let (sin, cos) = libm::sincos(0.5 * alpha);
+    let (sin_l, cos_l) = sin_cos(0.5 * x);
+    let (sin, cos) = sin_cos(0.5 * alpha);
     let sum = sin_l / sin;
     (sum, 0.5 * (length * cos_l - sum * cos) / sin)
 }
@@ -139,6 +140,9 @@ impl Response {
     }
 }
 
+/// Called with a row, its derivative by ω and the whitened value.
+type Visitor<'a> = dyn FnMut(&[f64; N], &[f64; N], f64) + 'a;
+
 /// The weighted least-squares problem.
 struct Problem<'a> {
     blocks: &'a [Block],
@@ -152,14 +156,17 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// Calls `visit` with (row, d row/dω, whitened value) for the three rows of each block.
-    fn rows(&self, omega: f64, mut visit: impl FnMut(&[f64; N], &[f64; N], f64)) {
+    ///
+    /// One copy for all who visit: in place it would be four times as much code on a microcontroller.
+    #[inline(never)]
+    fn rows(&self, omega: f64, visit: &mut Visitor<'_>) {
         let [regular, last] = &self.geometry;
         let responses = [Response::new(regular, self.w, omega), Response::new(last, self.w, omega)];
         for block in self.blocks {
             let (geometry, response) =
                 if block.length == self.last { (last, &responses[1]) } else { (regular, &responses[0]) };
             let t = block.centre - self.centre;
-            let (s, c) = libm::sincos(omega * t);
+            let (s, c) = sin_cos(omega * t);
             let [sum, cos, sin] = geometry.whiten(block);
             // P = p·s + q·c and dP/dω = t·Q; Q = p·c − q·s and dQ/dω = −t·P.
             let p_row = |(k, dk): (f64, f64), offset: f64| {
@@ -174,17 +181,20 @@ impl Problem<'_> {
         }
     }
 
+    #[inline(never)]
+    fn normal(&self, omega: f64) -> Normal<N> {
+        let mut normal = Normal::EMPTY;
+        self.rows(omega, &mut |row, _, y| normal.add(row, y));
+        normal
+    }
+
     fn explained(&self, omega: f64) -> f64 {
-        let mut normal = Normal::<N>::EMPTY;
-        self.rows(omega, |row, _, y| normal.add(row, y));
-        normal.solve().map_or(0.0, |(_, _, explained)| explained)
+        self.normal(omega).solve().map_or(0.0, |(_, _, explained)| explained)
     }
 
     fn evaluate(&self, omega: f64) -> Option<Point<N>> {
-        let mut normal = Normal::<N>::EMPTY;
-        self.rows(omega, |row, _, y| normal.add(row, y));
-        let mut border = Border::new(&normal)?;
-        self.rows(omega, |row, slope, y| {
+        let mut border = Border::new(&self.normal(omega))?;
+        self.rows(omega, &mut |row, slope, y| {
             let along = super::normal::dot(slope, border.theta());
             border.add(row, along, y);
         });
@@ -193,12 +203,7 @@ impl Problem<'_> {
 
     /// Σ of squares of the model over the blocks' whitened sums: what they can see of it.
     fn seen(&self, omega: f64, theta: &[f64; N]) -> f64 {
-        let mut sum = 0.0;
-        self.rows(omega, |row, _, _| {
-            let y = super::normal::dot(row, theta);
-            sum += y * y;
-        });
-        sum
+        self.normal(omega).square(theta)
     }
 }
 

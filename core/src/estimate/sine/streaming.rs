@@ -70,6 +70,7 @@ impl<S: Sample, const B: usize> BlockSums<S, B> {
     }
 
     /// Stores the finished block; pairs neighbours when all places are used.
+    #[cold]
     fn close_block(&mut self) {
         if let Some(place) = self.blocks.get_mut(self.full) {
             *place = core::mem::take(&mut self.current);
@@ -122,9 +123,18 @@ impl StreamingSine {
         self.nco.radians_per_sample() / self.sample_period_s
     }
 
-    /// Takes one sample. Bounded time, no division; integers only if `S` is i32.
+    /// Takes one sample: [`StreamingSine::push_slice`] of one. Bounded time, no division; integers only if `S` is i32.
+    #[inline]
     pub fn push<S: Sample, const B: usize>(&self, sums: &mut BlockSums<S, B>, sample: S) {
-        self.push_slice(sums, core::slice::from_ref(&sample));
+        let reference = *sums.reference.get_or_insert(sample);
+        let (phase, in_range) =
+            sample.accumulate_one(reference, sums.phase, self.nco.word(), &mut sums.current, &mut sums.power);
+        sums.phase = phase;
+        sums.in_range &= in_range;
+        sums.filled += 1;
+        if sums.filled >= self.block_length(sums) {
+            sums.close_block();
+        }
     }
 
     /// Takes the next samples. What is not finite or out of range is found by [`StreamingSine::fit`].

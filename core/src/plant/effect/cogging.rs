@@ -27,9 +27,9 @@ impl Law for Cogging {
 
     fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
         let angle = p[1] * at.x;
-        let mut force = p[0] * (angle + p[2]).sin();
+        let mut force = p[0] * at.averaged(p[1]) * (angle + p[2]).sin();
         if p[3] != R::ZERO {
-            force += p[3] * (angle + angle + p[4]).sin();
+            force += p[3] * at.averaged(p[1] + p[1]) * (angle + angle + p[4]).sin();
         }
         force
     }

@@ -5,6 +5,7 @@
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
 
 mod definition;
+mod limits;
 
 pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
 
@@ -22,7 +23,25 @@ pub struct Instant<R> {
     pub v: R,
     /// Drive as it reaches the motor, after the drive-path effects, drive units.
     pub u: R,
+    /// Duration around the instant, s, over which a mean is asked for: a ripple that passes within it averages out. 0 for
+    /// the instant itself.
+    pub over_s: f64,
 }
+
+impl<R: Real> Instant<R> {
+    /// Mean of a ripple of wave number `n` in position, over its value in the middle: sin(a)/a with a = n·v·h/2.
+    #[must_use]
+    pub fn averaged(&self, n: R) -> R {
+        let a = (n * self.v).scale(0.5 * self.over_s);
+        if a.abs() < R::from_f64(SMALL_ANGLE) {
+            return R::ONE - (a * a).scale(1.0 / 6.0);
+        }
+        a.sin() / a
+    }
+}
+
+/// Below this half angle the mean of a ripple is taken from its series; what is left out is 2e-5.
+const SMALL_ANGLE: f64 = 0.2;
 
 /// The applied drive and its past, zero-order held.
 #[derive(Clone, Copy, Debug)]

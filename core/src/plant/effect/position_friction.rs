@@ -25,6 +25,6 @@ impl Law for PositionFriction {
     };
 
     fn level<R: Real>(p: &[R], base: &Base<R>, at: Instant<R>) -> R {
-        base.f1 * p[0] * (p[1] * at.x + p[2]).sin()
+        base.f1 * p[0] * at.averaged(p[1]) * (p[1] * at.x + p[2]).sin()
     }
 }

@@ -16,7 +16,8 @@ use crate::storage::Store;
 /// Answered at once, or once the tick has answered.
 enum Outcome<'a, P> {
     Now(Reply),
-    Ask(Order<'a, P>, Then),
+    Ask(Order<'a>, Then),
+    Run(RunOrder<P>, Bounds, Then),
 }
 
 impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
@@ -26,12 +27,24 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         let outcome = command.validate().and_then(|()| self.decide(command));
         match outcome {
             Ok(Outcome::Now(reply)) => self.outbox.reply(id, reply),
-            Ok(Outcome::Ask(order, then)) => match self.channels.orders.enqueue(order) {
-                Ok(()) => self.waiting = Some(Waiting { id, then }),
-                // The tick has not taken the orders before: it stands still.
-                Err(_) => self.outbox.reply(id, Reply::Error(CommandError::Busy(self.mode()))),
-            },
+            Ok(Outcome::Ask(order, then)) => {
+                let taken = self.channels.orders.enqueue(order).is_ok();
+                self.asked(id, then, taken);
+            }
+            Ok(Outcome::Run(run, bounds, then)) => {
+                let taken = self.channels.runs.enqueue((run, bounds)).is_ok();
+                self.asked(id, then, taken);
+            }
             Err(error) => self.outbox.reply(id, Reply::Error(error)),
+        }
+    }
+
+    fn asked(&mut self, id: u16, then: Then, taken: bool) {
+        if taken {
+            self.waiting = Some(Waiting { id, then });
+        } else {
+            // The tick has not taken the orders before: it stands still.
+            self.outbox.reply(id, Reply::Error(CommandError::Busy(self.mode())));
         }
     }
 
@@ -60,11 +73,11 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::StartRelay(relay) => return self.relay(&relay),
             Command::StartDrive(drive) => {
                 let run = RunOrder::Excite(Excitation::Drive(drive));
-                return Ok(Outcome::Ask(Order::Run(run, drive.bounds), Then::Nothing));
+                return Ok(Outcome::Run(run, drive.bounds, Then::Nothing));
             }
             Command::StartTrack(track) => return self.track(&track),
             Command::LoadWaveform(part) => return Ok(Outcome::Ask(Order::Waveform(part), Then::Nothing)),
-            Command::Identify => Reply::Identified(self.identification.solve(&self.settings, self.identity.tick_hz)?),
+            Command::Identify => Reply::Identified(self.identification.solve()?),
             Command::Stop => return Ok(Outcome::Ask(Order::Stop, Then::Nothing)),
             Command::StreamOn { decimation } => {
                 self.stream.switch(decimation);
@@ -95,14 +108,13 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         })?;
         let run = RunOrder::Excite(Excitation::Relay { relay: relays, reference: relay.reference });
         let experiment = Experiment::new(relay, hysteresis);
-        Ok(Outcome::Ask(Order::Run(run, relay.bounds), Then::Relay(experiment)))
+        Ok(Outcome::Run(run, relay.bounds, Then::Relay(experiment)))
     }
 
     fn track(&self, track: &Track) -> Result<Outcome<'a, P::Plan>, CommandError> {
         let plan = self.planner.plan(track, self.model.as_ref(), &self.settings, self.identity.tick_hz)?;
         let run = if track.trajectory == Trajectory::Hold { RunOrder::Hold(plan) } else { RunOrder::Track(plan) };
-        let bounds: Bounds = track.bounds;
-        Ok(Outcome::Ask(Order::Run(run, bounds), Then::Track(*track)))
+        Ok(Outcome::Run(run, track.bounds, Then::Track(*track)))
     }
 
     fn idle(&self) -> Result<(), CommandError> {

@@ -12,12 +12,12 @@ use breakaway_core::scalar::Real;
 use super::plan::path;
 
 /// Share of f1 that a reading's rounding by one count may look like, at the observer's bandwidth.
-const COUNT_OF_F1: f64 = 0.2;
+const COUNT_OF_F1: f32 = 0.2;
 /// Range of the observer's bandwidth: below, rad/s; above, per tick.
-const SLOWEST_RAD_S: f64 = 5.0;
-const FASTEST_PER_TICK: f64 = 0.1;
+const SLOWEST_RAD_S: f32 = 5.0;
+const FASTEST_PER_TICK: f32 = 0.1;
 /// Share of the reference's largest speed below which the axis counts as resting.
-const REST: f64 = 0.1;
+const REST: f32 = 0.1;
 /// Bins of speed.
 const SPEED_BINS: f32 = 16.0;
 
@@ -60,15 +60,14 @@ impl Drift {
 
 impl Active {
     fn new(track: &Track, model: &Model, settings: &Settings, tick_hz: u32) -> Option<Self> {
-        let base: Base<f64> = model.base().ok()?;
-        let mut effects: heapless::Vec<Effect<f64>, MAX_EFFECTS> = heapless::Vec::new();
+        let base: Base<f32> = model.base().ok()?;
+        let mut effects: heapless::Vec<Effect<f32>, MAX_EFFECTS> = heapless::Vec::new();
         for index in 0..model.effects.len() {
             effects.push(model.effect(index)?.ok()?).ok()?;
         }
-        let tick_s = 1.0 / f64::from(tick_hz.max(1));
-        let (_, speed, _) = path(&track.trajectory, tick_s).ok()?;
-        let step = f64::from(settings.position_per_count);
-        let full = f64::from(settings.drive_full_scale);
+        let tick_s = 1.0 / tick_hz.max(1) as f32;
+        let (_, speed, _) = path(&track.trajectory, tick_hz).ok()?;
+        let (step, full) = (settings.position_per_count, settings.drive_full_scale);
         // A reading that is off by ε is a force of b·ωo²·ε.
         let quiet = Real::sqrt(COUNT_OF_F1 * base.f1.max(1e-3 * full) / (base.b * step));
         let bandwidth_rad_s = quiet.max(SLOWEST_RAD_S).min(FASTEST_PER_TICK / tick_s);
@@ -84,7 +83,7 @@ impl Active {
             state: DriftState::default(),
             position_per_count: settings.position_per_count,
             drive_per_code: settings.drive_full_scale / f32::from(FULL_SCALE_CODE),
-            bins_per_speed: SPEED_BINS / speed as f32,
+            bins_per_speed: SPEED_BINS / speed,
             last: None,
         })
     }

@@ -7,7 +7,7 @@
 mod cycle;
 
 use breakaway_core::estimate::limit_cycle::{DetectorSettings, DetectorState, LimitCycleDetector, RelayOutcome};
-use breakaway_core::estimate::modulating::{Block, Modulating, ModulatingState, estimate};
+use breakaway_core::estimate::modulating::{Block, Modulating, ModulatingState, estimate_base};
 use breakaway_core::estimate::sine::{SineFit, StreamingSine};
 use breakaway_core::link::{
     CommandError, Ending, Estimate, FULL_SCALE_CODE, Identified, Mode, Relay, Sample, Settings, Sine, Verdict,
@@ -89,7 +89,7 @@ pub struct Identification {
     blocks: Vec<Block, EXPERIMENTS>,
     gaps: bool,
     recorded: bool,
-    sine: Option<SineFit>,
+    sine: Option<Sine>,
 }
 
 impl Identification {
@@ -160,10 +160,11 @@ impl Identification {
         active.judge(error, u, ts, settings)
     }
 
-    /// The tick's sums of the experiment's position.
+    /// The tick's sums of the experiment's position, in steps of `position_per_count`.
     #[inline(never)]
-    pub fn summed(&mut self, sums: &Accumulation<'_>) {
-        self.sine = sums.config.fit(&*sums.sums).ok();
+    pub fn summed(&mut self, sums: &Accumulation<'_>, position_per_count: f32) {
+        let fit = sums.config.fit(&*sums.sums).ok();
+        self.sine = fit.map(|fit| wire_sine(&fit, f64::from(position_per_count)));
     }
 
     /// The experiment is over; after a fault it is not used.
@@ -185,7 +186,7 @@ impl Identification {
     /// # Errors
     /// [`CommandError::NothingRecorded`] before the first experiment, [`CommandError::Busy`] during one.
     #[inline(never)]
-    pub fn solve(&self, settings: &Settings, _tick_hz: u32) -> Result<Identified, CommandError> {
+    pub fn solve(&self) -> Result<Identified, CommandError> {
         if self.active.is_some() {
             return Err(CommandError::Busy(Mode::Relay));
         }
@@ -201,13 +202,13 @@ impl Identification {
             residual: 0.0,
             condition: 0.0,
             windows: 0,
-            sine: self.sine.as_ref().map(|fit| wire_sine(fit, f64::from(settings.position_per_count))),
+            sine: self.sine,
         };
         if self.gaps {
             return Ok(identified);
         }
         let experiments: Vec<&[Block], EXPERIMENTS> = self.blocks.iter().map(core::slice::from_ref).collect();
-        match estimate(&experiments) {
+        match estimate_base(&experiments) {
             Ok(found) => {
                 let [b, c, f1, _] = found.standard_errors;
                 identified.verdict = Verdict::Determined;

@@ -222,7 +222,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
                 TickEvent::Ended(ended) => self.ended(ended),
                 TickEvent::Overruns(overruns) => self.overruns = overruns,
                 TickEvent::Sums(done) => {
-                    self.identification.summed(&done);
+                    self.identification.summed(&done, self.settings.position_per_count);
                     self.sums = Some(done.sums);
                 }
             }

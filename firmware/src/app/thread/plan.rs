@@ -1,7 +1,8 @@
 //! From a command to what the controller in the tick needs.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Pid, Sine, TuningError,
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
+    TuningError,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -39,9 +40,9 @@ impl Planner for NoController {
 }
 
 /// Filter on the error's difference, ticks: an encoder's count is not a position.
-const FILTER_TICKS: f64 = 2.0;
+const FILTER_TICKS: f32 = 2.0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
-const NO_INERTIA: f64 = 1e-30;
+const NO_INERTIA: f32 = 1e-30;
 
 impl Planner for TrackController {
     type Plan = TrackPlan;
@@ -55,22 +56,21 @@ impl Planner for TrackController {
     ) -> Result<TrackPlan, CommandError> {
         // The gains' limits follow from the inertia: without a model they cannot be checked.
         let model = model.ok_or(CommandError::Range(Field::B))?;
-        let base: Base<f64> = model.base()?;
-        let tick_s = 1.0 / f64::from(tick_hz.max(1));
-        let limit =
-            f64::from(settings.drive_full_scale) * f64::from(settings.drive_max_code) / f64::from(FULL_SCALE_CODE);
-        let (path, speed, acceleration) = path(&track.trajectory, tick_s)?;
+        let base: Base<f32> = model.base()?;
+        let tick_s = 1.0 / tick_hz.max(1) as f32;
+        let limit = settings.drive_full_scale * f32::from(settings.drive_max_code) / f32::from(FULL_SCALE_CODE);
+        let (path, speed, acceleration) = path(&track.trajectory, tick_hz)?;
         let law = match track.controller {
             Wire::Pid(wire) => {
-                let kd = f64::from(wire.kd);
+                let kd = wire.kd;
                 if kd <= 0.0 {
                     return Err(CommandError::Range(Field::Kd));
                 }
                 let gains = Gains {
                     b: base.b,
                     kv: kd / base.b,
-                    lambda1: f64::from(wire.ki) / kd,
-                    lambda2: f64::from(wire.kp) / kd,
+                    lambda1: wire.ki / kd,
+                    lambda2: wire.kp / kd,
                     filter_s: FILTER_TICKS * tick_s,
                 };
                 let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
@@ -79,15 +79,15 @@ impl Planner for TrackController {
             Wire::Adaptive(wire) => {
                 let gains = Gains {
                     b: base.b,
-                    kv: f64::from(wire.kv),
-                    lambda1: f64::from(wire.lambda1),
-                    lambda2: f64::from(wire.lambda2),
+                    kv: wire.kv,
+                    lambda1: wire.lambda1,
+                    lambda2: wire.lambda2,
                     filter_s: FILTER_TICKS * tick_s,
                 };
                 let start = Estimates { b: base.b, c: base.c, f1: base.f1, f: 0.0 };
-                let unit = Adaptation::normalised(&start, 1.0, speed, acceleration, f64::from(wire.delta));
+                let unit = Adaptation::normalised(&start, 1.0, speed, acceleration, wire.delta);
                 // Gains go with the square of the rate; a and f2 act on one and the same parameter.
-                let [a, b, f1, f2, f] = wire.rates.map(|rate| f64::from(rate) * f64::from(rate));
+                let [a, b, f1, f2, f] = wire.rates.map(|rate| rate * rate);
                 let scaled = Estimates {
                     b: unit.gains.b * b,
                     c: unit.gains.c * (a + f2),
@@ -114,49 +114,52 @@ impl Planner for TrackController {
 }
 
 /// The path, its largest speed and acceleration.
-pub(super) fn path(trajectory: &Trajectory, tick_s: f64) -> Result<(Path, f64, f64), CommandError> {
+pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, f32), CommandError> {
+    let tick_hz = tick_hz.max(1);
     let wrong = CommandError::Range(Field::TrajectoryTime);
     Ok(match *trajectory {
         Trajectory::Hold => (Path::Hold, 0.0, 0.0),
         Trajectory::Step { distance } => (Path::Step(distance), 0.0, 0.0),
         Trajectory::Sine { amplitude, period_s } => {
-            let frequency = 1.0 / f64::from(period_s);
-            let omega = core::f64::consts::TAU * frequency;
-            let peak = f64::from(amplitude).abs();
-            let sine = Sine::new(f64::from(amplitude), frequency, tick_s).map_err(|_| wrong)?;
+            let omega = core::f32::consts::TAU / period_s;
+            let peak = amplitude.abs();
+            let sine = Sine::new(f64::from(amplitude), 1.0 / f64::from(period_s), 1.0 / f64::from(tick_hz))
+                .map_err(|_| wrong)?;
             (Path::Sine(sine), peak * omega, peak * omega * omega)
         }
         Trajectory::Triangle { amplitude, period_s } => {
-            let phase_step = phase_step(f64::from(period_s) / tick_s).ok_or(wrong)?;
+            let phase_step = phase_step(f64::from(period_s) * f64::from(tick_hz)).ok_or(wrong)?;
             let speed = 4.0 * amplitude / period_s;
-            (Path::Triangle { amplitude, phase_step, speed }, f64::from(speed).abs(), 0.0)
+            (Path::Triangle { amplitude, phase_step, speed }, speed.abs(), 0.0)
         }
         Trajectory::MinimumJerk { distance, duration_s } => {
-            let ticks = f64::from(duration_s) / tick_s;
+            let ticks = duration_s * tick_hz as f32;
             if !(1.0..2e9).contains(&ticks) {
                 return Err(wrong);
             }
-            let (size, per_s) = (f64::from(distance).abs(), 1.0 / f64::from(duration_s));
-            let path = Path::MinimumJerk {
-                distance,
-                per_ticks: (1.0 / ticks) as f32,
-                per_s: per_s as f32,
-                ticks: ticks as u32,
-            };
+            let (size, per_s) = (distance.abs(), 1.0 / duration_s);
+            let path = Path::MinimumJerk { distance, per_ticks: 1.0 / ticks, per_s, ticks: ticks as u32 };
             // 15/8 and 10/√3: the peaks of the polynomial's derivatives.
             (path, 1.875 * size * per_s, 5.774 * size * per_s * per_s)
+        }
+        Trajectory::Profile { distance, jerk_ticks, acceleration_ticks, cruise_ticks, rest_ticks } => {
+            let phases = Phases { jerk: jerk_ticks, acceleration: acceleration_ticks, cruise: cruise_ticks };
+            let profile =
+                Profile::in_ticks(f64::from(distance), phases, 1.0 / f64::from(tick_hz)).map_err(|_| wrong)?;
+            let (speed, acceleration) = phases.peaks(distance, tick_hz as f32);
+            (Path::Profile(profile.shuttle(rest_ticks)), speed, acceleration)
         }
     })
 }
 
 /// `None` where neither is asked for: off is absent.
-fn compensator(track: &Track, model: &Model, base: &Base<f64>) -> Result<Option<Compensator<f32>>, CommandError> {
+fn compensator(track: &Track, model: &Model, base: &Base<f32>) -> Result<Option<Compensator<f32>>, CommandError> {
     if !track.feed_forward && !track.compensation {
         return Ok(None);
     }
     let (b, c) = if track.feed_forward { (base.b, base.c) } else { (NO_INERTIA, 0.0) };
     let f1 = if track.compensation { base.f1 } else { 0.0 };
-    let mut effects: heapless::Vec<Effect<f64>, MAX_EFFECTS> = heapless::Vec::new();
+    let mut effects: heapless::Vec<Effect<f32>, MAX_EFFECTS> = heapless::Vec::new();
     let wanted = if track.compensation { model.effects.len() } else { 0 };
     for effect in (0..wanted).filter_map(|index| model.effect(index)) {
         // As many as the model can hold.

@@ -104,10 +104,12 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     }
 
     /// What it is doing.
+    #[allow(clippy::inline_always, reason = "cheaper than its call, and in every tick of an image built for size")]
+    #[inline(always)]
     pub fn mode(&self) -> Mode {
         match (&self.fault, &self.run) {
             (Some(_), _) => Mode::Fault,
-            (None, Some(run)) => run.mode(),
+            (None, Some(run)) => run.mode,
             (None, None) => Mode::Idle,
         }
     }
@@ -124,6 +126,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     }
 
     /// One pass: read encoder → guards → active mode → drive → accumulate estimators → push a sample.
+    // One function in every image, so that what is counted in one is what the other takes.
+    #[inline(never)]
     pub fn tick(&mut self) {
         let start_us = self.board.clock().now_us();
         let mut in_time = self.on_time(start_us);
@@ -163,7 +167,6 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         if moved.unsigned_abs() > self.guards.jump_counts {
             self.fail(FaultCause::EncoderJump, moved, clamped(self.guards.jump_counts));
         }
-        let mode = self.mode();
         let mut reference = count;
         if self.run.is_some() {
             self.guard(Observation { count, moved, drive: self.applied.code, alive });
@@ -172,8 +175,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         if let (Some(accumulation), Some(run)) = (&mut self.accumulation, &self.run) {
             accumulation.push(self.now, travel(run.start, count));
         }
-        let mode = if self.run.is_some() { mode } else { self.mode() };
-        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode };
+        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode: self.mode() };
         // Where the queue is full the sample is lost, and the step in the tick numbers tells.
         let _ = self.channels.samples.enqueue(sample);
     }
@@ -201,10 +203,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let Some(run) = &mut self.run else {
             return count;
         };
-        let over = match run.source {
-            Source::Control(Mode::Track) => self.controller.finished(),
-            _ => false,
-        };
+        let over = run.mode == Mode::Track && self.controller.finished();
         if over || run.max_ticks != 0 && run.ticks >= run.max_ticks {
             self.end(Ending::TimeUp);
             return count;
@@ -213,7 +212,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control(_) => {
+            Source::Control => {
                 let Applied { code: applied, limited } = self.applied;
                 self.controller.tick(ControlInput { distance, applied, limited })
             }

@@ -1,4 +1,4 @@
-//! Orders, as the tick takes them: one per tick.
+//! Orders, as the tick takes them: one per tick, and a run when there is none.
 
 use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultCause, Mode};
 
@@ -12,26 +12,41 @@ use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
 use crate::board::{Board, Drive, Retained};
 
-impl<'a, B: Board, C: Controller> Tick<'_, 'a, B, C> {
-    #[inline]
+impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
+    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    #[inline(always)]
     pub(super) fn obey(&mut self, count: i32) {
-        if let Some(order) = self.channels.orders.dequeue() {
-            self.carry_out(order, count);
+        if self.channels.orders.ready() {
+            self.carry_out();
+        } else if self.channels.runs.ready() {
+            self.begin(count);
+        }
+    }
+
+    fn idle(&self) -> Result<(), CommandError> {
+        match self.mode() {
+            Mode::Idle => Ok(()),
+            Mode::Fault => Err(CommandError::Faulted),
+            mode => Err(CommandError::Busy(mode)),
         }
     }
 
     #[cold]
-    fn carry_out(&mut self, order: Order<'a, C::Plan>, count: i32) {
-        let idle = match self.mode() {
-            Mode::Idle => Ok(()),
-            Mode::Fault => Err(CommandError::Faulted),
-            mode => Err(CommandError::Busy(mode)),
+    #[inline(never)]
+    fn begin(&mut self, count: i32) {
+        let answer = self.idle().and_then(|()| self.start(count));
+        let _ = self.channels.runs.dequeue();
+        self.answer(answer);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn carry_out(&mut self) {
+        let idle = self.idle();
+        let Some(order) = self.channels.orders.dequeue() else {
+            return;
         };
         match order {
-            Order::Run(run, bounds) => {
-                let answer = idle.and_then(|()| self.start(&run, bounds, count));
-                self.answer(answer);
-            }
             Order::Stop => {
                 self.end(Ending::Stopped);
                 self.answer(Ok(()));
@@ -72,28 +87,36 @@ impl<'a, B: Board, C: Controller> Tick<'_, 'a, B, C> {
         self.unsent.news = true;
     }
 
-    fn start(&mut self, order: &RunOrder<C::Plan>, bounds: Bounds, count: i32) -> Result<(), CommandError> {
+    /// Starts the next run from where it lies: a controller's plan is long, and copied once only.
+    fn start(&mut self, count: i32) -> Result<(), CommandError> {
         if count < self.guards.travel_min || count > self.guards.travel_max {
             return Err(CommandError::OutsideTravel);
         }
-        let (source, peak) = match order {
-            RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.peak()),
-            RunOrder::Track(plan) => (self.control(plan, Mode::Track, count), None),
-            RunOrder::Hold(plan) => (self.control(plan, Mode::Hold, count), None),
+        let Some((order, bounds)) = self.channels.runs.peek() else {
+            return Ok(());
+        };
+        let bounds: Bounds = *bounds;
+        let (source, peak, mode) = match order {
+            RunOrder::Excite(excitation) => {
+                (Source::Exciter(Exciter::new(*excitation)), excitation.peak(), excitation.mode())
+            }
+            RunOrder::Track(plan) => {
+                self.controller.start(plan, count);
+                (Source::Control, None, Mode::Track)
+            }
+            RunOrder::Hold(plan) => {
+                self.controller.start(plan, count);
+                (Source::Control, None, Mode::Hold)
+            }
         };
         if self.board.drive().enable().is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
             return Err(CommandError::Faulted);
         }
         let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds), count, peak);
-        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks });
+        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
         self.board.retained().write(Remembered::Running(self.now).to_words());
         Ok(())
-    }
-
-    fn control(&mut self, plan: &C::Plan, mode: Mode, count: i32) -> Source {
-        self.controller.start(plan, count);
-        Source::Control(mode)
     }
 
     /// Ends the run, if there is one: the drive goes off, and everything the run had changed goes with it.

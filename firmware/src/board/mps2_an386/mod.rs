@@ -13,7 +13,7 @@ pub use uart::{Link, Uart};
 
 use breakaway_core::link::FULL_SCALE_CODE;
 
-use crate::board::{Applied, Board, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip};
+use crate::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip};
 
 /// Outside of what start-up code or QEMU touch at a reset: the retained words, and the flash image behind them.
 const PSRAM: usize = 0x2100_0000;
@@ -39,30 +39,6 @@ impl Virtual {
     /// The drive applied, drive codes.
     pub fn code(&self) -> i16 {
         if self.enabled { self.code } else { 0 }
-    }
-}
-
-impl Board for Virtual {
-    type Encoder = Self;
-    type Drive = Self;
-    type Clock = Self;
-    type Protection = Self;
-    type Retained = Self;
-
-    fn encoder(&mut self) -> &mut Self {
-        self
-    }
-    fn drive(&mut self) -> &mut Self {
-        self
-    }
-    fn clock(&self) -> &Self {
-        self
-    }
-    fn protection(&mut self) -> &mut Self {
-        self
-    }
-    fn retained(&mut self) -> &mut Self {
-        self
     }
 }
 

@@ -159,7 +159,7 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
 fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFirst) -> anyhow::Result<Request> {
     let sensor = Sensor { encoder_step: runner.scale.step, noise: 0.0, delay_ticks: 0 };
     let machine = suite::Machine { drive_limit: DRIVE, travel: 5.0, tick_s: runner.scale.tick_s(), sensor, seed };
-    let force = suite::breakaway_by(&machine, |ramp| {
+    let breakaway = suite::breakaway_by(&machine, |ramp| {
         let outcome = runner.run(ramp, interrupt)?;
         outcome.error.map_or(Ok(outcome.run), Err)
     })?;
@@ -171,7 +171,7 @@ fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFir
         },
         ..Request::default()
     };
-    let experiments = suite::suite(force, &machine);
+    let experiments = suite::suite(breakaway.moved_at, &machine);
     let bar = progress::bar("experiments on the virtual board", experiments.len() as u64);
     for (role, experiment) in experiments {
         let outcome = runner.run(&experiment, interrupt).with_context(|| experiment.name.clone())?;
@@ -198,7 +198,7 @@ fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFir
 fn text(document: &Document) -> String {
     let mut out = String::from(
         "The firmware on a virtual board, its axis with something hidden in it: suite of 8 experiments over the link, \
-         discovery, a controller tuned from what was found, a sine of 1 rad at 0.1 Hz followed three times.\n\n",
+         discovery, a controller tuned from what was found, a sine of 1 rad at 0.1 Hz followed by each law.\n\n",
     );
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}\nwhat was hidden: {}\n", document.sentence, document.hidden);

@@ -62,7 +62,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
     let plant = papers_plant();
     let mut axis = Axis::new(plant.base, &[Effect::new(kind, parameters)], plant.units.clone());
     let machine = Machine { drive_limit: 5.0, travel: 5.0, tick_s: 1e-3, sensor: SENSOR, seed };
-    let force = suite::breakaway(&axis, &machine)?;
+    let breakaway = suite::breakaway(&axis, &machine)?;
     let mut request = Request {
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -71,7 +71,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
         },
         ..Request::default()
     };
-    for (role, experiment) in suite::suite(force, &machine) {
+    for (role, experiment) in suite::suite(breakaway.moved_at, &machine) {
         let recording = axis.run(&experiment)?.recording;
         let part = folder.join(if role == Role::Fit { "fit" } else { "score" });
         make_folder(&part)?;
@@ -97,7 +97,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
         noise_floor: found.noise_floor,
         report: report.display().to_string(),
         model: model.display().to_string(),
-        told: told(kind, force, &found),
+        told: told(kind, breakaway.force, &found),
     })
 }
 

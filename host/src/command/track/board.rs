@@ -8,7 +8,7 @@ use crate::command::progress;
 use crate::control::design::{Design, Request};
 use crate::control::reference::Reference;
 use crate::control::tracking::Bench;
-use crate::device::experiment::{Runner, TrackRun};
+use crate::device::experiment::{Runner, TrackRun, adaptive, pid};
 use crate::device::model::to_wire;
 use crate::interrupt::{FinishFirst, finish_first};
 use crate::model::Model;
@@ -36,8 +36,10 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
         Design::new(&model, &request).with_context(|| args.model.display().to_string())?
     };
     let course = args.course(tick_s)?;
-    if let Reference::Sine { amplitude, .. } = course.reference {
-        runner.has_room(amplitude)?;
+    match course.reference {
+        Reference::Sine { amplitude: most, .. } | Reference::Profile { distance: most, .. } => runner.has_room(most)?,
+        // The board says that it has no such trajectory.
+        Reference::File(_) => {}
     }
     let (cases, bench) = cases(&mut runner, &model, &design, &course, &interrupt)?;
     let name = format!("{} at {port}", runner.board());
@@ -45,7 +47,8 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
     args.finish(&course, &cases, &Followed { name: &name, measured: true, units: &units, bench }, output)
 }
 
-/// Follows the course with the PID alone, with the base model and, if it has effects, with the whole model compensated.
+/// Follows the course with the PID alone, with the base model and, if it has effects, with the whole model compensated;
+/// then with the adaptive law.
 ///
 /// # Errors
 /// Whatever board and link report.
@@ -60,18 +63,20 @@ pub fn cases(
     let drive_limit = design.drive_limit.min(runner.drive_limit());
     let whole = to_wire(model, &runner.scale)?;
     let base = to_wire(&Model { effects: Vec::new(), ..model.clone() }, &runner.scale)?;
-    let mut plan = vec![("pid", "PID alone", &base, false), ("base", "base model compensated", &base, true)];
+    let law = pid(&design.gains);
+    let mut plan = vec![("pid", "PID alone", &base, false, law), ("base", "base model compensated", &base, true, law)];
     if !whole.effects.is_empty() {
-        plan.push(("model", "whole model compensated", &whole, true));
+        plan.push(("model", "whole model compensated", &whole, true, law));
     }
+    plan.push(("adaptive", "adaptive law", &whole, true, adaptive(design, &course.points)));
     let bar = progress::bar("runs", plan.len() as u64);
     let mut cases = Vec::new();
-    for (name, title, model, compensate) in plan {
+    for (name, title, model, compensate, controller) in plan {
         let run = TrackRun {
             name,
             model,
             compensate,
-            gains: &design.gains,
+            controller,
             reference: &course.reference,
             points: &course.points,
             from: course.from,

@@ -1,9 +1,12 @@
 //! A reference followed on the board.
 
-use breakaway_core::control::{Gains, Setpoint};
-use breakaway_core::link::{Bounds, Command, Controller, Ending, Mismatch, Mode, Model, Pid, Track, Trajectory};
+use breakaway_core::control::{Adaptation, Gains, Setpoint};
+use breakaway_core::link::{
+    Adaptive, Bounds, Command, Controller, Ending, Mismatch, Mode, Model, Pid, Track, Trajectory,
+};
 
 use super::Runner;
+use crate::control::design::Design;
 use crate::control::reference::Reference;
 use crate::control::tracking::Tracked;
 use crate::device::{DeviceError, text};
@@ -18,8 +21,8 @@ pub struct TrackRun<'a> {
     pub model: &'a Model,
     /// Whether it is compensated; otherwise the PID is alone.
     pub compensate: bool,
-    /// Gains of the PID. The board's filter on the error's difference is its own: two ticks.
-    pub gains: &'a Gains,
+    /// Who follows. The board's filter on the error's difference is its own: two ticks.
+    pub controller: Controller,
     /// What is followed.
     pub reference: &'a Reference,
     /// The same at each tick, from tick 0.
@@ -41,16 +44,54 @@ pub struct Followed {
     pub mismatches: Vec<Mismatch>,
 }
 
-/// The board's trajectory for a reference.
+/// The PID of remark 1 as a board takes it: `b·Kv·(Λ2·e + Λ1·∫e + ė)`.
+pub fn pid(gains: &Gains) -> Controller {
+    let k = gains.b * gains.kv;
+    Controller::Pid(Pid { kp: (k * gains.lambda2) as f32, ki: (k * gains.lambda1) as f32, kd: k as f32 })
+}
+
+/// The adaptive law of a design as a board takes it, for a reference that is at each tick what `points` are.
+///
+/// A board is told how fast to adapt, in rad/s, and works out the gains from the model that is loaded and the reference
+/// it follows ([`Adaptation::normalised`]); these are the rates that give the design's gains.
+pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
+    let most =
+        |of: fn(&Setpoint<f32>) -> f32| points.iter().map(|point| f64::from(of(point).abs())).fold(0.0, f64::max);
+    let (gains, wanted) = (&design.gains, &design.adaptation.gains);
+    let delta = design.adaptation.delta;
+    let unit = Adaptation::normalised(&design.start, 1.0, most(|point| point.v), most(|point| point.a), delta).gains;
+    let rate = |wanted: f64, unit: f64| if unit > 0.0 { (wanted / unit).sqrt() as f32 } else { 0.0 };
+    Controller::Adaptive(Adaptive {
+        kv: gains.kv as f32,
+        lambda1: gains.lambda1 as f32,
+        lambda2: gains.lambda2 as f32,
+        delta: delta as f32,
+        // a and f2 are one estimate, c: its rate goes with a.
+        rates: [rate(wanted.c, unit.c), rate(wanted.b, unit.b), rate(wanted.f1, unit.f1), 0.0, rate(wanted.f, unit.f)],
+    })
+}
+
+/// The board's trajectory for a reference, at ticks of `tick_s` s.
 ///
 /// # Errors
 /// [`DeviceError::Reference`]: the board has no such trajectory.
-fn trajectory(reference: &Reference) -> Result<Trajectory, DeviceError> {
+fn trajectory(reference: &Reference, tick_s: f64) -> Result<Trajectory, DeviceError> {
     match *reference {
         Reference::Sine { amplitude, frequency_hz } => {
             Ok(Trajectory::Sine { amplitude: amplitude as f32, period_s: (1.0 / frequency_hz) as f32 })
         }
-        Reference::Profile { .. } | Reference::File(_) => Err(DeviceError::Reference(reference.to_string())),
+        Reference::Profile { distance, .. } => match reference.phases(tick_s) {
+            Ok(Some((phases, rest_ticks))) => Ok(Trajectory::Profile {
+                distance: distance as f32,
+                jerk_ticks: phases.jerk,
+                acceleration_ticks: phases.acceleration,
+                cruise_ticks: phases.cruise,
+                rest_ticks,
+            }),
+            // Its points were made before, so it is one.
+            Ok(None) | Err(_) => Err(DeviceError::Reference(reference.to_string())),
+        },
+        Reference::File(_) => Err(DeviceError::Reference(reference.to_string())),
     }
 }
 
@@ -96,8 +137,6 @@ impl Runner {
     /// # Errors
     /// The board has no such trajectory, refuses, is lost, or ends the run before its time.
     pub fn follow(&mut self, run: &TrackRun<'_>, interrupt: &FinishFirst) -> Result<Followed, DeviceError> {
-        let k = run.gains.b * run.gains.kv;
-        let pid = Pid { kp: (k * run.gains.lambda2) as f32, ki: (k * run.gains.lambda1) as f32, kd: k as f32 };
         let ticks = u32::try_from(run.points.len()).unwrap_or(u32::MAX);
         let limit_code = if run.drive_limit < self.drive_limit() {
             self.scale.code("--drive-limit", run.drive_limit)?
@@ -105,8 +144,8 @@ impl Runner {
             self.settings.drive_max_code
         };
         let start = Command::StartTrack(Track {
-            trajectory: trajectory(run.reference)?,
-            controller: Controller::Pid(pid),
+            trajectory: trajectory(run.reference, self.scale.tick_s())?,
+            controller: run.controller,
             feed_forward: run.compensate,
             compensation: run.compensate,
             bounds: Bounds { max_ticks: ticks, drive_max_code: limit_code, travel_counts: 0 },

@@ -21,6 +21,9 @@ pub enum VirtualBoardError {
     /// A file of its own could not be made.
     #[error("cannot prepare the virtual board: {0}")]
     Io(#[from] std::io::Error),
+    /// A flash is to be corrupted, and there is none.
+    #[error("corrupt-flash needs a flash that is kept: give its file, --flash FILE")]
+    NoFlash,
     /// An option is out of range.
     #[error("{field} = {value} is out of range: it must be {need}")]
     Range {

@@ -19,9 +19,20 @@ pub enum Fault {
     Supply(i32),
     /// The board is reset; the plant goes on.
     Reset,
+    /// This many bytes of noise reach the board from the host's side, at most [`MOST_GARBAGE`].
+    Garbage(u16),
+    /// Bits of the flash's file are flipped before the board starts; at tick 0 only.
+    CorruptFlash,
     /// All of the above is over.
     Healed,
 }
+
+/// Most bytes of noise at once: what the pseudo-terminal takes without a reader.
+pub const MOST_GARBAGE: u16 = 2048;
+
+/// What can be injected, for messages and help.
+pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, supply=MV, \
+                          reset, garbage=BYTES (at most 2048), corrupt-flash (at tick 0), healed";
 
 /// A fault at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,14 +48,11 @@ impl FromStr for Injection {
 
     /// `TICK:NAME` or `TICK:NAME=NUMBER`.
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || {
-            "expected TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, \
-             break=NUMBER, supply=MV, reset, healed"
-                .to_owned()
-        };
+        let wrong = || format!("expected TICK:FAULT, FAULT one of {FAULTS}");
         let (tick, fault) = text.split_once(':').ok_or_else(wrong)?;
         let (name, number) = fault.split_once('=').unwrap_or((fault, ""));
         let signed = || number.parse::<i32>().map_err(|_| wrong());
+        let tick = tick.parse().map_err(|_| wrong())?;
         let fault = match (name, number) {
             ("encoder-frozen", "") => Fault::EncoderFrozen,
             ("encoder-jump", _) => Fault::EncoderJump(signed()?),
@@ -53,10 +61,12 @@ impl FromStr for Injection {
             ("break", _) => Fault::Break(signed()?),
             ("supply", _) => Fault::Supply(signed()?),
             ("reset", "") => Fault::Reset,
+            ("garbage", _) => Fault::Garbage(number.parse().ok().filter(|n| *n <= MOST_GARBAGE).ok_or_else(wrong)?),
+            ("corrupt-flash", "") if tick == 0 => Fault::CorruptFlash,
             ("healed", "") => Fault::Healed,
             _ => return Err(wrong()),
         };
-        Ok(Self { tick: tick.parse().map_err(|_| wrong())?, fault })
+        Ok(Self { tick, fault })
     }
 }
 
@@ -69,7 +79,19 @@ mod tests {
         let read = |text: &str| text.parse::<Injection>();
         assert_eq!(read("20:encoder-frozen"), Ok(Injection { tick: 20, fault: Fault::EncoderFrozen }));
         assert_eq!(read("0:encoder-jump=-9"), Ok(Injection { tick: 0, fault: Fault::EncoderJump(-9) }));
-        for wrong in ["reset", "x:reset", "1:reset=2", "1:supply", "1:supply=low", "1:quake", "1:tick-late=-1"] {
+        assert_eq!(read("7:garbage=2048"), Ok(Injection { tick: 7, fault: Fault::Garbage(2048) }));
+        assert_eq!(read("0:corrupt-flash"), Ok(Injection { tick: 0, fault: Fault::CorruptFlash }));
+        for wrong in [
+            "1:corrupt-flash",
+            "1:garbage=2049",
+            "reset",
+            "x:reset",
+            "1:reset=2",
+            "1:supply",
+            "1:supply=low",
+            "1:quake",
+            "1:tick-late=-1",
+        ] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
     }

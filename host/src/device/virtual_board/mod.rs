@@ -9,7 +9,7 @@ mod lockstep;
 mod plant;
 mod qemu;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ use breakaway_core::link::Settings;
 
 pub use error::VirtualBoardError;
 pub use image::find as find_image;
-pub use injection::{Fault, Injection};
+pub use injection::{FAULTS, Fault, Injection, MOST_GARBAGE};
 use lockstep::{Answer, Lockstep};
 pub use plant::{Machine, SimulatedMachine};
 use qemu::Qemu;
@@ -78,6 +78,9 @@ impl VirtualBoard {
     /// [`VirtualBoardError`]: QEMU or the image is missing (and the command that brings it), or QEMU does not start.
     pub fn start(options: &Options) -> Result<Self, VirtualBoardError> {
         let image = image::find(options.image.as_deref())?;
+        if options.faults.iter().any(|injection| injection.fault == Fault::CorruptFlash) {
+            corrupt(options.flash.as_deref().ok_or(VirtualBoardError::NoFlash)?)?;
+        }
         let (qemu, lockstep) = Qemu::start(&image, options.flash.as_deref())?;
         let port = qemu.port.clone();
         let (orders, received) = mpsc::channel();
@@ -163,6 +166,13 @@ struct Runner {
     seen: Seen,
 }
 
+/// Flips a bit in every eighth byte of what has been written to a flash's file.
+fn corrupt(flash: &Path) -> std::io::Result<()> {
+    let mut image = std::fs::read(flash)?;
+    image.iter_mut().step_by(8).filter(|byte| **byte != 0xff).for_each(|byte| *byte ^= 0x10);
+    std::fs::write(flash, image)
+}
+
 /// Ticks before anybody is told of the board.
 const FIRST_TICKS: u32 = 20;
 /// Behind real time by more than this, it is not made up for.
@@ -235,6 +245,9 @@ impl Runner {
             Fault::Break(number) => self.lockstep.condition(1, number)?,
             Fault::Supply(millivolts) => self.lockstep.condition(2, millivolts)?,
             Fault::Reset => self.qemu.reset()?,
+            Fault::Garbage(bytes) => self.qemu.garbage(bytes)?,
+            // Done before the start: what the board has read it does not read again.
+            Fault::CorruptFlash => {}
             Fault::Healed => {
                 self.machine.heal();
                 self.lockstep.condition(3, 0)?;

@@ -6,6 +6,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
 use super::VirtualBoardError;
 use super::lockstep::Lockstep;
 
@@ -99,6 +102,16 @@ impl Qemu {
         self.monitor.set_read_timeout(Some(Duration::from_millis(20)))?;
         let mut echo = [0; 1024];
         while matches!(self.monitor.read(&mut echo), Ok(1..)) {}
+        Ok(())
+    }
+
+    /// Noise on the link, as if the host had sent it: the same at every call.
+    pub(super) fn garbage(&self, bytes: u16) -> Result<(), VirtualBoardError> {
+        let mut noise = vec![0; bytes.into()];
+        ChaCha8Rng::seed_from_u64(0).fill_bytes(&mut noise);
+        let mut port = std::fs::OpenOptions::new().write(true).open(&self.port)?;
+        // The board reads between its ticks, which are not to wait for it. If it ends before, nobody misses the noise.
+        std::thread::spawn(move || drop(port.write_all(&noise)));
         Ok(())
     }
 

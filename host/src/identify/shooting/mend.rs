@@ -30,7 +30,7 @@ impl Problem<'_> {
         let mended: Vec<(usize, Start)> = mse
             .par_iter()
             .enumerate()
-            .filter(|(_, mse)| !(**mse <= bound))
+            .filter(|(_, mse)| mse.is_nan() || **mse > bound)
             .filter_map(|(i, mse)| Some((i, self.freed(candidate, self.segments[i], states[i], smoothed[i], *mse)?)))
             .collect();
         for (i, start) in &mended {
@@ -40,24 +40,16 @@ impl Problem<'_> {
     }
 
     /// A start from which the segment's mean square is well below `mse`.
-    fn freed(
-        &self,
-        candidate: &Candidate,
-        segment: Segment,
-        old: Start,
-        smoothed: Start,
-        mse: f64,
-    ) -> Option<Start> {
+    fn freed(&self, candidate: &Candidate, segment: Segment, old: Start, smoothed: Start, mse: f64) -> Option<Start> {
         let deviation = SLOPE_DEVIATIONS * self.sigma / HALF_WIDTH_S;
         let run = |start: Start| (self.normal_any(candidate, &[], segment, start).mse, start);
         let starts = VELOCITIES.iter().map(|k| [smoothed[0], smoothed[1] + k * deviation, old[2], old[3]]);
-        let (_, mut best) =
-            starts.map(run).filter(|(mse, _)| mse.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (_, mut best) = starts.map(run).filter(|(mse, _)| mse.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut normal = self.normal_any(candidate, &[], segment, best);
         for _ in 0..STEPS {
             let Some(next) = self.start_step(&normal, segment, best, 0, 1e-3) else { break };
             let stepped = self.normal_any(candidate, &[], segment, next);
-            if !(stepped.mse < normal.mse) {
+            if stepped.mse.is_nan() || stepped.mse >= normal.mse {
                 break;
             }
             (best, normal) = (next, stepped);

@@ -18,10 +18,10 @@ pub fn ladder_figure(discovery: &Discovery) -> Figure {
         .collect();
     let caption = if steps.len() > 1 {
         "Error of the simulated position as effects are added to the model. Held-out recordings were never fitted; the \
-         circles are simulated from the measured state for one second on the drive alone. Nothing can fall below the noise."
+         circles are simulated for one second on the drive alone, from a fitted start. Nothing can fall below the noise."
     } else {
         "Error of the simulated position. Nothing was added to the model. Held-out recordings were never fitted; the circle \
-         is simulated from the measured state for one second on the drive alone. Nothing can fall below the noise."
+         is simulated for one second on the drive alone, from a fitted start. Nothing can fall below the noise."
     };
     let (noise, unit) = (discovery.noise_floor, &discovery.units.x);
     Figure::new("The ladder", caption, |width| ladder(width, &steps, noise, unit))

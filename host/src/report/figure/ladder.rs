@@ -10,7 +10,7 @@ use crate::report::text::{number, quantity};
 pub struct Step {
     /// Its name: `base model`, `+ Stribeck friction`.
     pub label: String,
-    /// Held-out error over 1 s from the measured state.
+    /// Held-out error over 1 s, from a start fitted to its beginning.
     pub open_loop: f64,
     /// Held-out error over 0.4 s.
     pub holdout: f64,

@@ -1,0 +1,216 @@
+//! Fits carried to their end: over all segments, to convergence, in refined form, along thresholds; and the refusal of what
+//! the recordings do not resolve (discovery.md, method step 3).
+
+use breakaway_core::plant::effect::{Over, Scale, Search};
+use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
+use rayon::prelude::*;
+
+use super::data::Data;
+use super::decide::{NAMING, paired};
+use super::screen::stroke;
+use crate::identify::shooting::{self, Candidate, Fit, FitError, Free, Problem};
+use crate::identify::track::median;
+
+/// Floor of the base model's fit, as a multiple of the mean square that it leaves.
+const BASE_FLOOR: f64 = 10.0;
+/// Mean square of the median segment over the noise's from which a named effect is fitted like that.
+const MISSES_MUCH: f64 = 4.0;
+/// Iterations in the final, and of a fit that is to converge.
+pub(super) const FINAL_ITERATIONS: usize = 12;
+const LAST_ITERATIONS: usize = 20;
+/// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
+const RESTARTS: usize = 2;
+const WORTH_A_RESTART: f64 = 20.0;
+/// How far a wave number may be from a whole one to be taken for it.
+const WHOLE: f64 = 0.1;
+
+/// Over all segments to convergence.
+pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
+    resolved(data, &start.candidate)?;
+    let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
+    resolved(data, &fit.candidate)?;
+    Ok(fit)
+}
+
+/// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's, and bristles so long
+/// that they never let go, which are a spring whose rest every segment chooses for itself.
+fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
+    let plant = Plant { base: candidate.base, effects: &candidate.effects };
+    if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
+        return Err("became faster than the recordings resolve".to_owned());
+    }
+    let softest = candidate.base.f1 / stroke(data);
+    let soft = |effect: &Effect<f64>| {
+        let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
+        effect.kind.bristles()
+            && parameters.into_iter().any(|(parameter, value)| {
+                matches!(parameter.search, Search::Grid(Scale::Presliding, _)) && *value < softest
+            })
+    };
+    if candidate.effects.iter().any(soft) {
+        return Err("its bristles became longer than the motion".to_owned());
+    }
+    Ok(())
+}
+
+/// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares
+/// fit to all segments alike, and not to those (of one direction, of one speed) that it can be made to follow.
+///
+/// # Errors
+/// [`FitError`] of the fit.
+pub fn fit_softly(data: &Data, start: &Candidate, iterations: usize) -> Result<Fit, FitError> {
+    let free = Free::all(&start.effects);
+    let fit = data.problem().fit(start, &free, None, iterations)?;
+    levelled(data, start, &free, &fit, iterations, None)
+}
+
+/// A named effect's fit as the base model's is made, where it leaves far more than the noise too.
+pub fn settled(data: &Data, fit: Fit) -> Fit {
+    if median(fit.mse.clone()) < MISSES_MUCH * data.sigma * data.sigma {
+        return fit;
+    }
+    levelled(data, &fit.candidate, &fit.free, &fit, LAST_ITERATIONS, Some(&fit.initial)).unwrap_or(fit)
+}
+
+fn levelled(
+    data: &Data,
+    start: &Candidate,
+    free: &[Free],
+    fit: &Fit,
+    iterations: usize,
+    initial: Option<&[shooting::Start]>,
+) -> Result<Fit, FitError> {
+    let softened = data.softened(BASE_FLOOR * fit.mse.iter().sum::<f64>() / fit.mse.len() as f64);
+    softened.problem().fit(start, free, initial, iterations)
+}
+
+/// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is
+/// the model's, and a further effect is not named for finishing the fit.
+pub fn converged(data: &Data, fit: &Fit) -> Fit {
+    let problem = data.problem();
+    let mut best = fit.clone();
+    if best.converged {
+        return best;
+    }
+    for _ in 0..RESTARTS {
+        let again = [Some(best.initial.as_slice()), None]
+            .into_iter()
+            .filter_map(|initial| problem.fit(&best.candidate, &best.free, initial, LAST_ITERATIONS).ok())
+            .min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(again) = again else { break };
+        let gain = best.cost - again.cost;
+        if gain > 0.0 {
+            best = again;
+        }
+        if gain < WORTH_A_RESTART {
+            break;
+        }
+    }
+    best
+}
+
+/// A ripple along the angle of a shaft has whole waves in a turn: where the nearest whole number does as well, it is that.
+fn in_whole_waves(data: &Data, fit: Fit) -> Fit {
+    let j = fit.candidate.effects.len() - 1;
+    let parameters = fit.candidate.effects[j].kind.definition().parameters;
+    let wave = parameters
+        .iter()
+        .position(|p| matches!(p.search, Search::Spectrum(Over::Position | Over::PositionAndDirection)));
+    let Some(i) = wave else { return fit };
+    let mut candidate = fit.candidate.clone();
+    let n = candidate.effects[j].p[i];
+    candidate.effects[j].p[i] = n.round();
+    // One wave in a turn is the gravity load's.
+    if (n - n.round()).abs() > WHOLE || n.round() < 2.0 {
+        return fit;
+    }
+    let held: Vec<Free> = fit.free.iter().copied().filter(|free| *free != Free::Effect(j, i)).collect();
+    match data.problem().fit(&candidate, &held, Some(&fit.initial), LAST_ITERATIONS) {
+        Ok(whole) if paired(&whole.mse, &fit.mse, &fit.samples, data.floor()).lambda < NAMING.price => whole,
+        _ => fit,
+    }
+}
+
+/// Form refined; for a contender iterated to the end, and thresholds searched.
+pub(super) fn polished(data: &Data, fit: Fit, contender: bool, rotary: bool) -> Fit {
+    let problem = data.problem();
+    let last = fit.candidate.effects.len() - 1;
+    let fit = if contender { converged(data, &fit) } else { fit };
+    let fit = refined(&problem, fit, last);
+    let fit = if rotary { in_whole_waves(data, fit) } else { fit };
+    // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
+    let kind = fit.candidate.effects[last].kind;
+    if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
+}
+
+/// The model with its effect `j` replaced by each of `rivals`, simpler laws that were tried when it was named, refitted over
+/// all segments: an effect named while another was still missing may have taken that one's share. The best replacement.
+pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) -> Option<Fit> {
+    let problem = data.problem();
+    rivals
+        .par_iter()
+        .with_max_len(1)
+        .filter_map(|rival| {
+            let mut candidate = current.candidate.clone();
+            if candidate.effects.iter().any(|effect| effect.kind == rival.kind) {
+                return None;
+            }
+            candidate.effects[j] = *rival;
+            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
+        })
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are
+/// kept only where they pay for their parameters.
+fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
+    let effect = best.candidate.effects[j];
+    let parameters = effect.kind.definition().parameters;
+    let refinements: Vec<usize> = (0..parameters.len()).filter(|i| parameters[*i].default.is_some()).collect();
+    let Some(&first) = refinements.first() else { return best };
+    let price = 10.0 + NAMING.price * refinements.len() as f64;
+    let phases: &[f64] = if refinements.len() > 1 { &[0.0, 2.0, -2.0] } else { &[0.0] };
+    phases
+        .iter()
+        .filter_map(|phase| {
+            let mut candidate = best.candidate.clone();
+            let p = &mut candidate.effects[j].p;
+            // An amplitude starts at a tenth of the first, an exponent at half its usual value.
+            p[first] = if p[first] == 0.0 { 0.1 * p[0] } else { 0.5 * p[first] };
+            if let Some(second) = refinements.get(1) {
+                p[*second] = *phase;
+            }
+            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&best.initial), FINAL_ITERATIONS).ok()
+        })
+        .filter(|fit| fit.cost < best.cost - price)
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .unwrap_or(best)
+}
+
+/// Coordinate search over the parameters of effect `j` that are on a grid: ratios that shrink, the rest refitted.
+fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
+    let parameters = best.candidate.effects[j].kind.definition().parameters;
+    // A single threshold, at rest, decides by the sample at which the body starts: to a percent and finer.
+    let ratios: &[f64] = if best.free.len() == 4 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
+    for &ratio in ratios {
+        for (i, parameter) in parameters.iter().enumerate() {
+            if !matches!(parameter.search, Search::Grid(..)) || parameter.default.is_some() {
+                continue;
+            }
+            for factor in [ratio, 1.0 / ratio] {
+                // On, as long as it gets better.
+                for _ in 0..4 {
+                    let mut candidate = best.candidate.clone();
+                    candidate.effects[j].p[i] =
+                        (candidate.effects[j].p[i] * factor).clamp(parameter.min, parameter.max);
+                    let others: Vec<Free> = best.free.iter().copied().filter(|f| *f != Free::Effect(j, i)).collect();
+                    match problem.fit(&candidate, &others, Some(&best.initial), 2) {
+                        Ok(fit) if fit.cost < best.cost - 0.5 => best = Fit { free: best.free.clone(), ..fit },
+                        _ => break,
+                    }
+                }
+            }
+        }
+    }
+    problem.fit(&best.candidate, &best.free, Some(&best.initial), 5).unwrap_or(best)
+}
