@@ -60,8 +60,8 @@ pub const BUDGET: Build = Build {
 pub const PEERS: Build = Build {
     target: M4F,
     packages: &["breakaway-firmware"],
-    arguments: &["--release", "--bin", "peers", "--features", "peers"],
-    fast: true,
+    arguments: &["--bin", "peers", "--features", "peers"],
+    profile: RELEASE,
 };
 /// See [`BUDGET`].
 pub const INTEGER_TICK: Build = Build {
