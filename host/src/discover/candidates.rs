@@ -73,6 +73,9 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     if kind.free_memory() == 2 && current.effects.iter().any(|e| e.kind.free_memory() == 2) {
         return Some("the model carries a second body already");
     }
+    if kind == Kind::LoadFriction && has(&[Kind::Backlash]) {
+        return Some("what the backlash's idealised impact leaves grows with the load too");
+    }
     if (kind == Kind::LuGre && has(&[Kind::Stribeck])) || (kind == Kind::Stribeck && has(&[Kind::LuGre])) {
         return Some("LuGre friction has the Stribeck curve in it");
     }
