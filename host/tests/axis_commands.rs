@@ -116,7 +116,8 @@ fn a_relay_that_sticks_at_the_start_is_told_from_one_that_is_too_weak() {
 fn the_suite_judges_its_relays_and_sorts_its_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let document = json(folder.path(), &["run", "suite", "-o", "s"]);
-    assert!(number(&document["breakaway"]) > 0.5);
+    // f1 = 0.5; read back from a ramp's motion it is 0.502 ± 0.009 over 30 seeds of an independent simulation.
+    assert!((number(&document["breakaway"]) - 0.5).abs() < 0.03, "{}", document["breakaway"]);
     let recordings = document["recordings"].as_array().unwrap();
     assert_eq!(recordings.len(), 8);
     for entry in recordings {

@@ -9,6 +9,8 @@ const MIN_HALF_SAMPLES: usize = 4;
 /// A clock is not believed of which an interval is off the median one by more than this share: then others may be by less
 /// than its stamps tell.
 const IRREGULAR: f64 = 0.3;
+/// Share of the largest position below which residuals are the rounding of numbers.
+const ROUNDING: f64 = 1e-10;
 /// Classes of speed in which a jittered clock's noise is looked at.
 const SPEED_CLASSES: usize = 24;
 
@@ -126,7 +128,9 @@ impl Track {
         let least = recording.encoder_step.unwrap_or(0.0) * 0.05;
         track.sigma = noise(&residuals, &track.vs, half).max(least);
         let regular = intervals.iter().all(|dt| (dt / ts - 1.0).abs() < IRREGULAR);
-        if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten() {
+        if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten()
+            && sigma > ROUNDING * track.x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+        {
             track.sigma = sigma.max(least);
             track.jitter_s = jitter_s;
         }
