@@ -201,7 +201,9 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         progress("designing the next experiment");
         next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(&data), &units)
     });
-    let verdict = match (named.is_empty(), base_gap.real(), gap.explained()) {
+    let bodies = named.iter().any(|n| n.kind.free_memory() == 2);
+    let explained = if bodies { base_gap.explained_by_bodies(&gap) } else { gap.explained() };
+    let verdict = match (named.is_empty(), base_gap.real(), explained) {
         (true, false, _) => Verdict::NothingMissing,
         (true, true, _) => Verdict::Unknown,
         (false, _, true) => Verdict::Explained,

@@ -19,6 +19,9 @@ pub(super) const LEAST_TOTAL: f64 = 0.5;
 /// Growth of the open-loop mean square error on held-out data at which an effect is not believed.
 const OPEN_LOOP_GROWTH: f64 = 1.5;
 
+/// Open-loop mean square error over the noise's up to which a second body's motion counts as followed.
+const OPEN_LOOP_NOISE: f64 = 2.0;
+
 /// How far a model is from the held-out data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
@@ -31,7 +34,7 @@ pub(super) struct Gap {
     median: f64,
     /// Share of segments above twice the noise's mean square.
     above: f64,
-    /// Mean square error of the open-loop windows.
+    /// Mean square error of the open-loop windows over the noise's.
     open_loop: f64,
 }
 
@@ -50,7 +53,7 @@ impl Gap {
         let mut open: Vec<f64> = open_loop_squares(data, fit).iter().map(|(square, n)| square / *n as f64).collect();
         open.sort_by(f64::total_cmp);
         Self {
-            open_loop: trimmed(&open),
+            open_loop: trimmed(&open) / floor,
             rmse: root_mean(&mse),
             median: sorted[sorted.len() / 2] / floor,
             mean_log: mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / n,
@@ -85,6 +88,11 @@ impl Gap {
     /// outliers.
     pub(super) fn only_outliers(&self) -> bool {
         self.median < OUTLIERS
+    }
+    /// Whether a model with second bodies explains what `self`, the base's gap, is: their starts, free in every segment, can
+    /// follow a disturbance that no body causes, so there must be a gap on held-out data, and it must close in open loop.
+    pub(super) fn explained_by_bodies(&self, after: &Self) -> bool {
+        after.explained() && self.real() && after.open_loop < OPEN_LOOP_NOISE
     }
     pub(super) fn explained(&self) -> bool {
         self.mean_log < GAP_NOISE && self.above <= LEFT_OVER
