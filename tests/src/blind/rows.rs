@@ -147,12 +147,6 @@ impl Row {
     pub fn wrong(&self) -> bool {
         self.named.iter().any(|name| !self.hidden.contains(name))
     }
-
-    /// Whether it is the same case.
-    pub fn same_case(&self, other: &Self) -> bool {
-        (&self.experiment, &self.hidden, self.seed) == (&other.experiment, &other.hidden, other.seed)
-            && self.size_percent.to_bits() == other.size_percent.to_bits()
-    }
 }
 
 #[cfg(test)]
