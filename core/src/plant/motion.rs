@@ -5,7 +5,7 @@
 //! with the opposite friction. On the base plant this agrees with the closed form to O(h³) per step.
 
 use super::base::Base;
-use super::effect::{Effect, Held, Instant, Memory};
+use super::effect::{ActsIn, Effect, Held, Instant, Memory};
 use crate::scalar::Real;
 
 /// Most effects a plant carries at once.
@@ -48,7 +48,7 @@ pub struct Plant<'a, R> {
 impl<R: Real> Effect<R> {
     /// The mechanics over a whole sample of `h` seconds in which the motor moves from `at.x` at `at.v`, in sub-steps
     /// that resolve them; the mean reaction.
-    fn mechanics_in_parts(&self, base: &Base<R>, at: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+    fn mechanics_in_parts(&self, base: &Base<R>, at: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         let inertia = Base { b: base.b.to_f64(), c: 0.0, f1: 0.0 };
         let bandwidth = self.kind.bandwidth(&self.p.map(Real::to_f64), &inertia);
         let parts = libm::ceil(h * bandwidth / 0.25).clamp(1.0, MAX_SUB_STEPS as f64);
@@ -56,13 +56,27 @@ impl<R: Real> Effect<R> {
         let mut sum = R::ZERO;
         for i in 0..parts as usize {
             let x = at.x + at.v.scale(h_part * (i as f64 + 0.5));
-            sum += self.mechanics(base, Instant { x, ..at }, memory, h_part);
+            sum += self.mechanics(base, &Instant { x, ..*at }, memory, h_part);
         }
         sum.scale(1.0 / parts)
     }
 }
 
 impl<R: Real> Plant<'_, R> {
+    /// The effects that act in `place`.
+    fn acting(&self, place: ActsIn) -> impl Iterator<Item = &Effect<R>> {
+        self.effects.iter().filter(move |effect| effect.kind.acts_in() == place)
+    }
+
+    /// The same with what each remembers.
+    fn remembering<'m>(
+        &self,
+        memory: &'m mut [Memory<R>; MAX_EFFECTS],
+        place: ActsIn,
+    ) -> impl Iterator<Item = (&Effect<R>, &'m mut Memory<R>)> {
+        self.effects.iter().zip(memory).filter(move |(effect, _)| effect.kind.acts_in() == place)
+    }
+
     /// The plant at rest at `x`.
     pub fn at_rest(&self, x: R) -> State<R> {
         let mut memory = [[R::ZERO; 3]; MAX_EFFECTS];
@@ -84,7 +98,7 @@ impl<R: Real> Plant<'_, R> {
 
     /// What the sensor reports at true position `x`.
     pub fn measured(&self, x: R) -> R {
-        self.effects.iter().fold(x, |reading, effect| reading + effect.sensor(x))
+        self.acting(ActsIn::Sensor).fold(x, |reading, effect| reading + effect.sensor(x))
     }
 
     /// Advances one sample period in `n` sub-steps (see [`Self::sub_steps`]).
@@ -111,16 +125,19 @@ impl<R: Real> Plant<'_, R> {
         let held = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
         let u = self.effective_drive(state, drive, t, 0.0, drive.ts);
         let at = Instant { t, x, v, u, over_s: h };
-        let level = self.level(at);
-        let mut force = self.force(at) - held;
+        let level = self.level(&at);
+        let mut force = self.force(&at) - held;
         let mut inertia = R::ONE;
         let mut bristle = None;
         for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
             inertia *= effect.inertia(t, memory);
+            if effect.kind.acts_in() != ActsIn::Mechanics {
+                continue;
+            }
             if effect.kind.bristles() {
                 bristle = Some(effect.bristle(level, v, memory, h));
             }
-            force += effect.mechanics_in_parts(&self.base, at, memory, drive.ts);
+            force += effect.mechanics_in_parts(&self.base, &at, memory, drive.ts);
             let (mut x_end, mut v_end) = (x + v.scale(h), v);
             effect.impact(&mut x_end, &mut v_end, memory, h);
             force += self.base.b * (v_end - v).scale(1.0 / h);
@@ -130,24 +147,25 @@ impl<R: Real> Plant<'_, R> {
     }
 
     fn effective_drive(&self, state: &mut State<R>, drive: Drive<'_>, t: R, from_s: f64, h: f64) -> R {
-        let mut u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
+        let u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
+        let mut at = Instant { t, x: state.x, v: state.v, u, over_s: h };
         let past = Held { u: drive.u, ts: drive.ts, from_s };
-        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
-            u = effect.drive(Instant { t, x: state.x, v: state.v, u, over_s: h }, past, memory, h);
+        for (effect, memory) in self.remembering(&mut state.memory, ActsIn::Drive) {
+            at.u = effect.drive(&at, past, memory, h);
         }
-        u
+        at.u
     }
 
-    fn level(&self, at: Instant<R>) -> R {
-        self.effects.iter().fold(self.base.f1, |level, effect| level + effect.level(&self.base, at)).max(R::ZERO)
+    fn level(&self, at: &Instant<R>) -> R {
+        self.acting(ActsIn::Force).fold(self.base.f1, |level, effect| level + effect.level(&self.base, at)).max(R::ZERO)
     }
 
-    fn force(&self, at: Instant<R>) -> R {
-        self.effects.iter().fold(at.u, |force, effect| force + effect.force(at))
+    fn force(&self, at: &Instant<R>) -> R {
+        self.acting(ActsIn::Force).fold(at.u, |force, effect| force + effect.force(at))
     }
 
-    fn breakaway(&self, at: Instant<R>) -> R {
-        self.effects.iter().fold(self.level(at), |level, effect| level + effect.breakaway())
+    fn breakaway(&self, at: &Instant<R>) -> R {
+        self.acting(ActsIn::Force).fold(self.level(at), |level, effect| level + effect.breakaway())
     }
 
     fn sub_step(&self, state: &mut State<R>, t: R, u: R, h: f64) {
@@ -158,8 +176,8 @@ impl<R: Real> Plant<'_, R> {
         let start = Instant { t, x: x0, v: v0, u, over_s: h };
         let mut sgn = v0.sgn();
         if v0 == R::ZERO {
-            let force = self.force(start);
-            if force.abs() <= self.breakaway(start) {
+            let force = self.force(&start);
+            if force.abs() <= self.breakaway(&start) {
                 return;
             }
             sgn = force.sgn();
@@ -169,10 +187,10 @@ impl<R: Real> Plant<'_, R> {
         if !self.effects.is_empty() {
             // The base's own forces predict the middle: an effect's share in that is of third order.
             let a0 = (u - self.base.f1 * sgn - self.base.c * v0) / b;
-            mid = Self::middle(start, v0 + a0.scale(0.5 * h), sgn, h);
+            mid = Self::middle(&start, v0 + a0.scale(0.5 * h), sgn, h);
         }
-        let net = self.force(mid) - self.level(mid) * sgn;
-        self.finish(state, mid, R::ZERO, b, net, sgn, h);
+        let net = self.force(&mid) - self.level(&mid) * sgn;
+        self.finish(state, &mid, R::ZERO, b, net, sgn, h);
     }
 
     /// As [`Self::sub_step`], for effects with a memory: their reaction is predicted too.
@@ -181,35 +199,33 @@ impl<R: Real> Plant<'_, R> {
         let b = self.inertia(t, state);
         let start = Instant { t, x: x0, v: v0, u, over_s: h };
         let bristles = self.effects.iter().any(|effect| effect.kind.bristles());
-        let rest = self.force(Instant { v: R::ZERO, ..start });
-        let sgn = if bristles {
-            R::ZERO
-        } else if v0 == R::ZERO {
-            rest.sgn()
-        } else {
-            v0.sgn()
+        let at_rest = !bristles && v0 == R::ZERO;
+        let rest = if at_rest { self.force(&start) } else { R::ZERO };
+        let sgn = match (bristles, at_rest) {
+            (true, _) => R::ZERO,
+            (_, true) => rest.sgn(),
+            _ => v0.sgn(),
         };
-        let mut trial = state.memory;
-        let reaction = self.reaction(start, &mut trial, bristles, h);
-        let friction = if bristles { R::ZERO } else { self.level(start) * sgn };
-        let a0 = (self.force(start) + reaction - friction - self.base.c * v0) / b;
-        let mid = Self::middle(start, v0 + a0.scale(0.5 * h), sgn, h);
-        let reaction = self.reaction(mid, &mut state.memory, bristles, h);
-        let stuck =
-            !bristles && v0 == R::ZERO && (rest + reaction).abs() <= self.breakaway(Instant { v: R::ZERO, ..start });
+        let sliding = |at: &Instant<R>| if bristles { R::ZERO } else { self.level(at) * sgn };
+        let a0 = (self.force(&start) + self.predicted_reaction(&start, &state.memory, bristles, h)
+            - sliding(&start)
+            - self.base.c * v0)
+            / b;
+        let mid = Self::middle(&start, v0 + a0.scale(0.5 * h), sgn, h);
+        let reaction = self.reaction(&mid, &mut state.memory, bristles, h);
+        let stuck = at_rest && (rest + reaction).abs() <= self.breakaway(&start);
         if !stuck {
-            let friction = if bristles { R::ZERO } else { self.level(mid) * sgn };
-            self.finish(state, mid, reaction, b, self.force(mid) + reaction - friction, sgn, h);
+            self.finish(state, &mid, reaction, b, self.force(&mid) + reaction - sliding(&mid), sgn, h);
         }
-        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+        for (effect, memory) in self.remembering(&mut state.memory, ActsIn::Mechanics) {
             effect.impact(&mut state.x, &mut state.v, memory, h);
         }
     }
 
     /// The middle of a sub-step, given the velocity expected there; friction does not carry past zero.
-    fn middle(start: Instant<R>, v_mid: R, sgn: R, h: f64) -> Instant<R> {
+    fn middle(start: &Instant<R>, v_mid: R, sgn: R, h: f64) -> Instant<R> {
         let v = if v_mid * sgn < R::ZERO { R::ZERO } else { v_mid };
-        Instant { x: start.x + (start.v + v).scale(0.25 * h), v, ..start }
+        Instant { x: start.x + (start.v + v).scale(0.25 * h), v, ..*start }
     }
 
     fn inertia(&self, t: R, state: &State<R>) -> R {
@@ -221,21 +237,27 @@ impl<R: Real> Plant<'_, R> {
     }
 
     /// Mean force of bristles and second bodies on the motor over a sub-step; advances their memories.
-    fn reaction(&self, mid: Instant<R>, memory: &mut [Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
+    fn reaction(&self, mid: &Instant<R>, memory: &mut [Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
         let level = if bristles { self.level(mid) } else { R::ZERO };
-        let mut sum = R::ZERO;
-        for (effect, slot) in self.effects.iter().zip(memory.iter_mut()) {
-            if effect.kind.bristles() {
-                sum += -effect.bristle(level, mid.v, slot, h);
-            }
-            sum += effect.mechanics(&self.base, mid, slot, h);
-        }
-        sum
+        let bodies = self.remembering(memory, ActsIn::Mechanics);
+        bodies.fold(R::ZERO, |sum, (effect, slot)| sum + self.reaction_of(effect, level, mid, slot, h))
+    }
+
+    /// The same, the memories left as they are.
+    fn predicted_reaction(&self, at: &Instant<R>, memory: &[Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
+        let level = if bristles { self.level(at) } else { R::ZERO };
+        let bodies = self.effects.iter().zip(memory).filter(|(effect, _)| effect.kind.acts_in() == ActsIn::Mechanics);
+        bodies.fold(R::ZERO, |sum, (effect, slot)| sum + self.reaction_of(effect, level, at, &mut slot.clone(), h))
+    }
+
+    fn reaction_of(&self, effect: &Effect<R>, level: R, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+        let held = if effect.kind.bristles() { -effect.bristle(level, mid.v, memory, h) } else { R::ZERO };
+        held + effect.mechanics(&self.base, mid, memory, h)
     }
 
     /// Moves on under the net force; where the velocity would pass zero against `sgn` the sub-step is split.
     #[allow(clippy::too_many_arguments)]
-    fn finish(&self, state: &mut State<R>, mid: Instant<R>, reaction: R, b: R, net: R, sgn: R, h: f64) {
+    fn finish(&self, state: &mut State<R>, mid: &Instant<R>, reaction: R, b: R, net: R, sgn: R, h: f64) {
         let v0 = state.v;
         let inertia = b.scale(1.0 / h);
         let drag = self.base.c.scale(0.5);
@@ -249,19 +271,19 @@ impl<R: Real> Plant<'_, R> {
     }
 
     /// The velocity passes zero within the sub-step: up to there with the old friction, then stick or go on.
-    fn reverse(&self, state: &mut State<R>, mid: Instant<R>, reaction: R, b: R, v1: R, h: f64) {
+    fn reverse(&self, state: &mut State<R>, mid: &Instant<R>, reaction: R, b: R, v1: R, h: f64) {
         let v0 = state.v;
         let before = (v0 / (v0 - v1)).scale(h);
         let after = R::from_f64(h) - before;
         let x_zero = state.x + (v0 * before).scale(0.5);
-        let at_zero = Instant { x: x_zero, v: R::ZERO, ..mid };
-        let force = self.force(at_zero) + reaction;
+        let at_zero = Instant { x: x_zero, v: R::ZERO, ..*mid };
+        let force = self.force(&at_zero) + reaction;
         state.x = x_zero;
         state.v = R::ZERO;
-        if force.abs() <= self.breakaway(at_zero) || force.sgn() == v0.sgn() {
+        if force.abs() <= self.breakaway(&at_zero) || force.sgn() == v0.sgn() {
             return;
         }
-        let a = (force - self.level(at_zero) * force.sgn()) / b;
+        let a = (force - self.level(&at_zero) * force.sgn()) / b;
         let v = a * after / (R::ONE + (self.base.c * after / b).scale(0.5));
         state.x += (v * after).scale(0.5);
         state.v = v;

@@ -8,9 +8,9 @@ use breakaway_core::plant::{Base, Kind};
 use rayon::prelude::*;
 
 use super::data::{Data, FIT_SEGMENT_S};
-use super::refit::{FINAL_ITERATIONS, finish, polished};
+use super::refit::{FINAL_ITERATIONS, finish, in_whole_waves, polished, without_wave_number};
 use super::screen::{Screen, Start};
-use crate::identify::shooting::{self, Candidate, Fit, Free, Segment};
+use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
 use crate::identify::track::median;
 
 /// Floor of the logarithm, as a share of the median segment's mean square: of the current model's in the first heat, and of
@@ -39,6 +39,8 @@ const TRIAL_SEGMENTS: usize = 14;
 const TRIAL_ITERATIONS: usize = 2;
 const TRIAL_KEPT: usize = 3;
 const PERIODIC_KEPT: usize = 5;
+/// Share of the best gain from which a whole number of waves is preferred to another.
+const AS_GOOD: f64 = 0.9;
 /// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
 const SLOW_SHARE: usize = 3;
 /// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
@@ -92,11 +94,14 @@ struct Heat<'a> {
     segments: Vec<Segment>,
     trial: Vec<Segment>,
     trial_initial: Vec<shooting::Start>,
+    rotary: bool,
 }
 
 impl<'a> Heat<'a> {
-    fn new(data: &'a Data, current: &Fit) -> Self {
-        let step = FIRST_SHARE.min(data.fit.len().div_ceil(12).max(1));
+    fn new(data: &'a Data, current: &Fit, rotary: bool) -> Self {
+        // Few of the short segments hold what is looked for, and are quickly simulated: all of them.
+        let share = if data.segment_s < FIT_SEGMENT_S { 1 } else { FIRST_SHARE };
+        let step = share.min(data.fit.len().div_ceil(12).max(1));
         let part: Vec<usize> = (0..data.fit.len()).step_by(step).collect();
         let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
         let initial: Vec<_> = part.iter().map(|i| current.initial[*i]).collect();
@@ -112,7 +117,7 @@ impl<'a> Heat<'a> {
         trial
             .extend(worst.into_iter().filter(|i| i % even != 0).take(TRIAL_SEGMENTS - trial.len().min(TRIAL_SEGMENTS)));
         let trial_initial = trial.iter().map(|i| current.initial[*i]).collect();
-        Self { data, trial: trial.into_iter().map(|i| segments[i]).collect(), trial_initial, current, segments }
+        Self { data, trial: trial.into_iter().map(|i| segments[i]).collect(), trial_initial, current, segments, rotary }
     }
 }
 
@@ -133,7 +138,7 @@ pub struct Round {
 /// come near that noise: the floor of the logarithm is a share of what the best effect leaves.
 pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Round {
     let softened = data.softened(HEAT_FLOOR * median(current.mse.clone()));
-    let heat = Heat::new(&softened, current);
+    let heat = Heat::new(&softened, current, rotary);
     let first: Vec<(Kind, Result<Fit, String>)> = Kind::ALL
         .par_iter()
         .with_max_len(1)
@@ -212,21 +217,17 @@ fn blind(kind: Kind) -> bool {
 
 fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
-    let problem = heat.data.over(&heat.segments);
+    let problem = Problem { coarse: true, ..heat.data.over(&heat.segments) };
     let heated = |candidate: &Candidate| {
         let free = Free::all(&candidate.effects);
         problem.fit(candidate, &free, Some(&heat.current.initial), FIRST_ITERATIONS)
     };
     let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
     if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
-        // Few of the short segments hold what is looked for: the trial's would tell nothing.
-        let starts = chosen(kind, screen.starts(kind), 1);
-        let base = heat.current.candidate.base;
-        let beside = starts.into_iter().map(|start| Candidate { base, ..start.candidate });
-        return least(beside.filter_map(|candidate| heated(&candidate).ok()).collect()).ok_or(reason);
+        return over_short_segments(heat, &problem, chosen(kind, screen.starts(kind), 1)).ok_or(reason);
     }
     let mut tries: Vec<Fit> = Vec::new();
-    let trial = heat.data.over(&heat.trial);
+    let trial = Problem { coarse: true, ..heat.data.over(&heat.trial) };
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
     let share = if slow { SLOW_SHARE } else { 1 };
     for start in chosen(kind, screen.starts(kind), share) {
@@ -247,19 +248,34 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     }
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
-    let tries = tries.into_iter().take(kept.div_ceil(share));
-    least(tries.filter_map(|fit| heated(&fit.candidate).ok()).collect()).ok_or(reason)
+    // A few iterations over the heat's segments part those; the rest is for the best.
+    let short = |candidate: &Candidate| {
+        let free = Free::all(&candidate.effects);
+        problem.fit(candidate, &free, Some(&heat.current.initial), TRIAL_ITERATIONS)
+    };
+    let kept = tries.into_iter().take(kept.div_ceil(share));
+    let best = least(kept.filter_map(|fit| short(&fit.candidate).ok()).collect()).ok_or(reason)?;
+    heated(&best.candidate).map_err(|error| error.to_string())
 }
 
-/// All that is free but the wave number of the last effect: few segments do not give it as well as the spectrum of all.
-fn without_wave_number(candidate: &Candidate) -> Vec<Free> {
-    let j = candidate.effects.len() - 1;
-    let parameters = candidate.effects[j].kind.definition().parameters;
-    let mut free = Free::all(&candidate.effects);
-    free.retain(
-        |free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_))),
-    );
-    free
+/// A periodic effect over short segments, few of which hold what is looked for: a trial's would tell nothing, so all starts
+/// go to the end. Where these few lie an integer of waves apart any other number does nearly as well; along the angle of a
+/// shaft it is a whole one then.
+fn over_short_segments(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>) -> Option<Fit> {
+    let base = heat.current.candidate.base;
+    let fits: Vec<(bool, Fit)> = starts
+        .into_iter()
+        .filter_map(|start| {
+            let mut beside = Candidate { base, ..start.candidate };
+            let whole = heat.rotary && in_whole_waves(&mut beside);
+            let free = if whole { without_wave_number(&beside) } else { Free::all(&beside.effects) };
+            Some((whole, problem.fit(&beside, &free, Some(&heat.current.initial), FINAL_ITERATIONS).ok()?))
+        })
+        .collect();
+    let gain = |fit: &Fit| heat.current.cost - fit.cost;
+    let best = fits.iter().map(|(_, fit)| gain(fit)).fold(0.0, f64::max);
+    let worth = |(whole, fit): &(bool, Fit)| gain(fit) + if *whole { (1.0 - AS_GOOD) * best } else { 0.0 };
+    fits.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|(_, fit)| fit)
 }
 
 /// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one

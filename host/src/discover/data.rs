@@ -84,6 +84,7 @@ impl Data {
             sigma: self.sigma,
             warm_up_s: WARM_UP_S,
             softening: self.softening,
+            coarse: false,
         }
     }
 

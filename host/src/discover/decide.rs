@@ -19,6 +19,9 @@ pub const NAMING: Thresholds = Thresholds { delta: 0.002, z: 2.0, lambda: 25.0, 
 pub const FURTHER: Thresholds = Thresholds { delta: 0.05, ..NAMING };
 /// Two models are tied while the z of their paired difference is below this.
 pub const TIED_Z: f64 = 2.5;
+/// Likelihood ratio and z from which a few segments are enough.
+const BEYOND_DOUBT: f64 = 100.0;
+const BEYOND_DOUBT_Z: f64 = 1.2;
 
 /// The comparison of two models over the same segments.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +49,15 @@ pub fn paired(a: &[f64], b: &[f64], samples: &[f64], sigma: f64) -> Paired {
 }
 
 impl Paired {
-    /// Whether `b`, which costs `parameters` more, may be named.
+    /// Whether `b`, which costs `parameters` more, may be named: by most segments, or, where a few show it (reversals, a phase
+    /// of rest), by a likelihood beyond doubt.
     pub fn names(&self, parameters: usize, t: &Thresholds) -> bool {
-        self.delta >= t.delta && self.z >= t.z && self.lambda - t.price * parameters as f64 >= t.lambda
+        let lambda = self.lambda - t.price * parameters as f64;
+        self.delta >= t.delta && ((self.z >= t.z && lambda >= t.lambda) || self.beyond_doubt(parameters, t.price))
+    }
+
+    /// Whether the likelihood, which is without the two best segments, needs no vote of most segments.
+    pub fn beyond_doubt(&self, parameters: usize, price: f64) -> bool {
+        self.z > BEYOND_DOUBT_Z && self.lambda - price * parameters as f64 > BEYOND_DOUBT
     }
 }

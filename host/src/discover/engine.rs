@@ -9,14 +9,13 @@ use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::decide::paired;
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
-use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, ParameterValue, Provenance, Rung, Verdict};
-use super::ranking::{better, preference, rivals, simpler_laws, table};
+use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
+use super::ranking::{better, nearest, parameters, preference, rivals, simpler_laws, table};
 use super::refit;
 use super::screen::Screen;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
 use crate::identify::shooting::{Candidate, Fit, Free};
-use crate::model::catalogue::unit;
 use crate::recording::{Recording, Units};
 
 /// Iterations of the base model's fit.
@@ -98,8 +97,10 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
                 ));
                 found = short;
             }
-            _ => (),
+            Ok(short) => found.nearest = short.nearest.or(found.nearest),
+            Err(_) => (),
         }
+        found.remarks.extend(found.nearest.clone().filter(|_| found.effects.is_empty()));
     }
     found.seconds = began.elapsed().as_secs_f64();
     Ok(found)
@@ -122,6 +123,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
     let mut ladder = vec![rung(&data, &current)];
     let mut named: Vec<NamedEffect> = Vec::new();
     let mut first_round: Vec<CandidateRow> = Vec::new();
+    let mut closest = None;
     let mut simpler: Vec<Vec<Effect<f64>>> = Vec::new();
     let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
     let base_gap = Gap::of(&data, &current);
@@ -151,6 +153,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         });
         if named.is_empty() {
             first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
+            closest = nearest(&judged, &without, &tried, &units);
         }
         let Some((index, fit, after)) = accepted else { break };
         if let Some(rival) = rivals.iter().find(|r| r.tied)
@@ -222,6 +225,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         candidates: first_round,
         overlays: overlays(&data, &base_fit, &current),
         next_experiment,
+        nearest: closest,
         remarks,
         units,
         segments: (data.fit.len() + data.score.len(), data.available),
@@ -258,22 +262,6 @@ fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), Discove
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
     Ok((Candidate { base, effects: model.effects.clone() }, remarks))
-}
-
-fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
-    let effect: &Effect<f64> = &fit.candidate.effects[j];
-    let definitions = effect.kind.definition().parameters.iter().enumerate();
-    definitions
-        .filter(|(i, p)| p.default.is_none_or(|default| effect.p[*i] != default))
-        .map(|(i, p)| ParameterValue {
-            symbol: p.symbol,
-            unit: unit(p.unit, units),
-            meaning: p.meaning,
-            value: effect.p[i],
-            // What is held, a whole number of waves, has no error.
-            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0),
-        })
-        .collect()
 }
 
 fn model_se(fit: &Fit) -> Vec<Vec<f64>> {

@@ -183,6 +183,8 @@ pub struct Discovery {
     pub overlays: Vec<Overlay>,
     /// The experiment that would decide between tied effects.
     pub next_experiment: Option<NextExperiment>,
+    /// Where the first effect was sought and none named: which came closest, with its parameters and why it is not named.
+    pub nearest: Option<String>,
     /// What the data cannot tell, and problems of the recordings.
     pub remarks: Vec<String>,
     /// Units.

@@ -5,8 +5,10 @@ use breakaway_core::plant::Effect;
 use super::candidates::Tried;
 use super::data::Data;
 use super::decide::{FURTHER, NAMING, Paired, TIED_Z, paired};
-use super::outcome::{CandidateRow, Rival};
-use crate::identify::shooting::Fit;
+use super::outcome::{CandidateRow, ParameterValue, Rival};
+use crate::identify::shooting::{Fit, Free};
+use crate::model::catalogue::unit;
+use crate::recording::Units;
 
 /// Effects with enough evidence that are checked on held-out data in a round.
 const CONSIDERED: usize = 4;
@@ -44,7 +46,7 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried], first: boo
 /// them apart (a phase of rest, an edge), by a likelihood beyond doubt.
 pub(super) fn better(evidence: &Paired, extra: usize) -> bool {
     let price = NAMING.price * extra as f64;
-    (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || (evidence.z > 1.2 && evidence.lambda > 100.0 + price)
+    (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || evidence.beyond_doubt(extra, NAMING.price)
 }
 
 /// The laws with fewer parameters than the named one that it may be confused with, as they were fitted beside it.
@@ -58,6 +60,30 @@ pub(super) fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<E
         .filter(|fit| fit.free.len() < winner.free.len())
         .filter_map(|fit| fit.candidate.effects.get(place).copied())
         .collect()
+}
+
+/// The effect that comes closest where none is named, said with its parameters: its likelihood suffices, and the segments or
+/// the held-out data do not bear it out.
+pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units) -> Option<String> {
+    let evidence = |fit: &Fit| paired(&current.mse, &fit.mse, &fit.samples, data.floor());
+    let fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
+    let (kind, fit) = fits.max_by(|a, b| evidence(a.1).lambda.total_cmp(&evidence(b.1).lambda))?;
+    let evidence = evidence(fit);
+    let price = NAMING.price * (fit.free.len() - current.free.len()) as f64;
+    if evidence.lambda - price < NAMING.lambda {
+        return None;
+    }
+    let place = fit.candidate.effects.len() - 1;
+    let parameters: Vec<String> =
+        parameters(fit, place, units).iter().map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit)).collect();
+    Some(format!(
+        "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by most segments",
+        data.segment_s,
+        kind.name(),
+        parameters.join(", "),
+        evidence.lambda,
+        evidence.z
+    ))
 }
 
 pub(super) fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival> {
@@ -113,6 +139,23 @@ pub(super) fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<
                 };
                 CandidateRow { kind: t.kind, delta: p.delta, z: p.z, lambda: p.lambda, fate }
             }
+        })
+        .collect()
+}
+
+/// What is free, or differs from its default, of effect `j`.
+pub(super) fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
+    let effect: &Effect<f64> = &fit.candidate.effects[j];
+    let definitions = effect.kind.definition().parameters.iter().enumerate();
+    definitions
+        .filter(|(i, p)| p.default.is_none_or(|default| effect.p[*i] != default))
+        .map(|(i, p)| ParameterValue {
+            symbol: p.symbol,
+            unit: unit(p.unit, units),
+            meaning: p.meaning,
+            value: effect.p[i],
+            // What is held, a whole number of waves, has no error.
+            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0),
         })
         .collect()
 }

@@ -18,6 +18,8 @@ const MISSES_MUCH: f64 = 4.0;
 /// Iterations in the final, and of a fit that is to converge.
 pub(super) const FINAL_ITERATIONS: usize = 12;
 const LAST_ITERATIONS: usize = 20;
+/// Iterations with all sub-steps after those with half of them.
+const FINE_ITERATIONS: usize = 3;
 /// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
 const RESTARTS: usize = 2;
 const WORTH_A_RESTART: f64 = 20.0;
@@ -27,7 +29,14 @@ const WHOLE: f64 = 0.1;
 /// Over all segments to convergence.
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     resolved(data, &start.candidate)?;
-    let fit = data.problem().fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
+    let problem = data.problem();
+    // What has a memory takes many sub-steps: most of the way with half of them.
+    let slow = start.candidate.effects.iter().any(|effect| effect.kind.remembers());
+    let first = Problem { coarse: slow, ..problem };
+    let mut fit = first.fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
+    if slow {
+        fit = problem.fit(&fit.candidate, &fit.free, Some(&fit.initial), FINE_ITERATIONS).map_err(|e| e.to_string())?;
+    }
     resolved(data, &fit.candidate)?;
     Ok(fit)
 }
@@ -109,22 +118,45 @@ pub fn converged(data: &Data, fit: &Fit) -> Fit {
     best
 }
 
-/// A ripple along the angle of a shaft has whole waves in a turn: where the nearest whole number does as well, it is that.
-fn in_whole_waves(data: &Data, fit: Fit) -> Fit {
-    let j = fit.candidate.effects.len() - 1;
-    let parameters = fit.candidate.effects[j].kind.definition().parameters;
-    let wave = parameters
-        .iter()
-        .position(|p| matches!(p.search, Search::Spectrum(Over::Position | Over::PositionAndDirection)));
-    let Some(i) = wave else { return fit };
+/// Place of the wave number along the position among the parameters of the last effect.
+fn wave_number(candidate: &Candidate) -> Option<(usize, usize)> {
+    let j = candidate.effects.len().checked_sub(1)?;
+    let parameters = candidate.effects[j].kind.definition().parameters;
+    let along = |search| matches!(search, Search::Spectrum(Over::Position | Over::PositionAndDirection));
+    parameters.iter().position(|p| along(p.search)).map(|i| (j, i))
+}
+
+/// A ripple along the angle of a shaft has whole waves in a turn: the wave number rounded, if it is near one. One wave in a
+/// turn is the gravity load's.
+pub(super) fn in_whole_waves(candidate: &mut Candidate) -> bool {
+    let Some((j, i)) = wave_number(candidate) else { return false };
+    let n = &mut candidate.effects[j].p[i];
+    let whole = (*n - n.round()).abs() <= WHOLE && n.round() >= 2.0;
+    if whole {
+        *n = n.round();
+    }
+    whole
+}
+
+/// All that is free but the frequency of the last effect, in position or in time.
+pub(super) fn without_wave_number(candidate: &Candidate) -> Vec<Free> {
+    let j = candidate.effects.len() - 1;
+    let parameters = candidate.effects[j].kind.definition().parameters;
+    let mut free = Free::all(&candidate.effects);
+    free.retain(
+        |free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_))),
+    );
+    free
+}
+
+/// The fit with a whole number of waves where that does as well.
+fn with_whole_waves(data: &Data, fit: Fit) -> Fit {
     let mut candidate = fit.candidate.clone();
-    let n = candidate.effects[j].p[i];
-    candidate.effects[j].p[i] = n.round();
-    // One wave in a turn is the gravity load's.
-    if (n - n.round()).abs() > WHOLE || n.round() < 2.0 {
+    let free = wave_number(&candidate).map(|(j, i)| Free::Effect(j, i));
+    if free.is_none_or(|free| !fit.free.contains(&free)) || !in_whole_waves(&mut candidate) {
         return fit;
     }
-    let held: Vec<Free> = fit.free.iter().copied().filter(|free| *free != Free::Effect(j, i)).collect();
+    let held = without_wave_number(&candidate);
     match data.problem().fit(&candidate, &held, Some(&fit.initial), LAST_ITERATIONS) {
         Ok(whole) if paired(&whole.mse, &fit.mse, &fit.samples, data.floor()).lambda < NAMING.price => whole,
         _ => fit,
@@ -137,7 +169,7 @@ pub(super) fn polished(data: &Data, fit: Fit, contender: bool, rotary: bool) -> 
     let last = fit.candidate.effects.len() - 1;
     let fit = if contender { converged(data, &fit) } else { fit };
     let fit = refined(&problem, fit, last);
-    let fit = if rotary { in_whole_waves(data, fit) } else { fit };
+    let fit = if rotary { with_whole_waves(data, fit) } else { fit };
     // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
     let kind = fit.candidate.effects[last].kind;
     if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
@@ -169,6 +201,8 @@ fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
     let refinements: Vec<usize> = (0..parameters.len()).filter(|i| parameters[*i].default.is_some()).collect();
     let Some(&first) = refinements.first() else { return best };
     let price = 10.0 + NAMING.price * refinements.len() as f64;
+    let mut held = Free::all(&best.candidate.effects);
+    held.retain(|free| !best.free.contains(free));
     let phases: &[f64] = if refinements.len() > 1 { &[0.0, 2.0, -2.0] } else { &[0.0] };
     phases
         .iter()
@@ -180,7 +214,9 @@ fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
             if let Some(second) = refinements.get(1) {
                 p[*second] = *phase;
             }
-            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&best.initial), FINAL_ITERATIONS).ok()
+            let mut free = Free::all(&candidate.effects);
+            free.retain(|free| !held.contains(free));
+            problem.fit(&candidate, &free, Some(&best.initial), FINAL_ITERATIONS).ok()
         })
         .filter(|fit| fit.cost < best.cost - price)
         .min_by(|a, b| a.cost.total_cmp(&b.cost))

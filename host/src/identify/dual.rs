@@ -31,8 +31,20 @@ impl<const N: usize> Dual<N> {
         Self { value, gradient }
     }
     #[inline]
-    fn chain(self, value: f64, slope: f64) -> Self {
-        Self { value, gradient: std::array::from_fn(|i| slope * self.gradient[i]) }
+    fn chain(mut self, value: f64, slope: f64) -> Self {
+        for lane in &mut self.gradient {
+            *lane *= slope;
+        }
+        Self { value, ..self }
+    }
+    /// The value, with each lane combined from those of both: a loop in place, which the compiler puts into vector
+    /// instructions (`array::from_fn` it calls lane by lane).
+    #[inline]
+    fn lanes(mut self, o: &Self, value: f64, combine: impl Fn(f64, f64) -> f64) -> Self {
+        for (lane, other) in self.gradient.iter_mut().zip(&o.gradient) {
+            *lane = combine(*lane, *other);
+        }
+        Self { value, ..self }
     }
 }
 
@@ -62,14 +74,14 @@ impl<const N: usize> Add for Dual<N> {
     type Output = Self;
     #[inline]
     fn add(self, o: Self) -> Self {
-        Self { value: self.value + o.value, gradient: std::array::from_fn(|i| self.gradient[i] + o.gradient[i]) }
+        self.lanes(&o, self.value + o.value, |a, b| a + b)
     }
 }
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
     #[inline]
     fn sub(self, o: Self) -> Self {
-        Self { value: self.value - o.value, gradient: std::array::from_fn(|i| self.gradient[i] - o.gradient[i]) }
+        self.lanes(&o, self.value - o.value, |a, b| a - b)
     }
 }
 #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
@@ -77,10 +89,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
-        Self {
-            value: self.value * o.value,
-            gradient: std::array::from_fn(|i| self.gradient[i] * o.value + o.gradient[i] * self.value),
-        }
+        self.lanes(&o, self.value * o.value, |a, b| a * o.value + b * self.value)
     }
 }
 impl<const N: usize> Div for Dual<N> {
@@ -89,7 +98,7 @@ impl<const N: usize> Div for Dual<N> {
     fn div(self, o: Self) -> Self {
         let inverse = 1.0 / o.value;
         let value = self.value * inverse;
-        Self { value, gradient: std::array::from_fn(|i| (self.gradient[i] - value * o.gradient[i]) * inverse) }
+        self.lanes(&o, value, |a, b| (a - value * b) * inverse)
     }
 }
 impl<const N: usize> AddAssign for Dual<N> {
@@ -159,10 +168,7 @@ impl<const N: usize> Real for Dual<N> {
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
         let inverse = if square > 0.0 { 1.0 / square } else { 0.0 };
-        Self {
-            value: self.value.atan2(x.value),
-            gradient: std::array::from_fn(|i| (x.value * self.gradient[i] - self.value * x.gradient[i]) * inverse),
-        }
+        self.lanes(&x, self.value.atan2(x.value), |y, x_lane| (x.value * y - self.value * x_lane) * inverse)
     }
 }
 

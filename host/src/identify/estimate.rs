@@ -275,8 +275,14 @@ pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<shooting::Segmen
 
 fn output_error(tracks: &[Track], start: &Estimate, noise: f64) -> Option<Fit> {
     let segments = sampled_segments(tracks, FIT_SEGMENT_S);
-    let problem =
-        Problem { tracks, segments: &segments, sigma: noise.max(f64::MIN_POSITIVE), warm_up_s: 0.0, softening: 0.0 };
+    let problem = Problem {
+        tracks,
+        segments: &segments,
+        sigma: noise.max(f64::MIN_POSITIVE),
+        warm_up_s: 0.0,
+        softening: 0.0,
+        coarse: false,
+    };
     let base = Base { b: start.b.value, c: start.c.value.max(0.0), f1: start.f1.value.max(0.0) };
     let effects: Vec<Effect<f64>> =
         start.load.iter().map(|load| Effect::new(Kind::ConstantLoad, &[load.value])).collect();

@@ -4,13 +4,14 @@
 //! Minimised is `Σ_segments n/2·log(σ² + mse)` by Levenberg–Marquardt. The logarithm bounds the influence of any one
 //! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.
 
-use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
+use breakaway_core::plant::{Base, Drive, Effect, Plant};
 use breakaway_core::scalar::Real;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 mod equations;
 mod mend;
+mod warm_up;
 
 pub use super::candidate::{Candidate, Free};
 use super::dual::Dual;
@@ -75,6 +76,8 @@ pub struct Problem<'a> {
     pub warm_up_s: f64,
     /// Mean square added to every segment's in the logarithm, in place of σ²; 0 for σ² itself.
     pub softening: f64,
+    /// Half the sub-steps that the effects' dynamics ask for: to compare starts, not to state parameters.
+    pub coarse: bool,
 }
 
 /// A fitted model.
@@ -134,29 +137,9 @@ impl Problem<'_> {
     /// Sub-steps of a sample period: what the effects ask for, and none longer than [`STEP_S`].
     fn sub_steps<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> usize {
         let ts = self.tracks[segment.track].ts;
-        plant.sub_steps(ts).max((ts / STEP_S).round().min(32.0) as usize)
-    }
-
-    fn initial_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment, start: [R; 4]) -> State<R> {
-        let [x0, v0, y, w] = start;
-        let track = &self.tracks[segment.track];
-        if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
-            return State { x: x0, v: v0, ..plant.at_rest(x0) };
-        }
-        let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
-        let earliest = track.pieces[piece];
-        let first = segment.start.saturating_sub((self.warm_up_s / track.ts) as usize).max(earliest);
-        let mut state = plant.at_rest(R::from_f64(track.xs[first]));
-        for k in first..segment.start {
-            let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
-            plant.effect_force(&mut state, drive, R::from_f64(track.xs[k]), R::from_f64(track.vs[k]), R::ZERO);
-        }
-        let free = plant.effects.iter().position(|effect| effect.kind.free_memory() > 0);
-        if let Some(memory) = free.and_then(|j| state.memory.get_mut(j)) {
-            memory[0] += y;
-            memory[1] += w;
-        }
-        State { x: x0, v: v0, ..state }
+        let asked = plant.sub_steps(ts);
+        let resolved = if self.coarse { asked.div_ceil(2) } else { asked };
+        resolved.max((ts / STEP_S).round().min(32.0) as usize)
     }
 
     fn normal<const N: usize>(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
@@ -190,7 +173,7 @@ impl Problem<'_> {
                 square += residual * residual;
                 lagged += residual * previous;
                 previous = residual;
-                let d = simulated.gradient.map(|slope| weight * slope);
+                let d = simulated.scale(weight).gradient;
                 for i in 0..N {
                     gradient[i] += d[i] * residual;
                     for j in 0..N {

@@ -126,6 +126,7 @@ pub fn explained() -> Discovery {
             separates: vec![Kind::Stribeck, Kind::Stiction],
             difference_over_noise: 23.4,
         }),
+        nearest: None,
         remarks: vec![
             "c is Ke + f2: back-EMF and viscous friction act alike and position data cannot split them".into(),
         ],
@@ -157,6 +158,7 @@ pub fn unknown() -> Discovery {
         candidates: vec![candidate(Kind::GravityLoad, [0.03, 1.1, 4.0], "lost: below the threshold")],
         overlays: vec![overlay("relay_mid, 36 s to 40 s", false)],
         next_experiment: None,
+        nearest: None,
         remarks: Vec::new(),
         provenance: Provenance {
             inputs: vec![("a <b> & \"c\".csv".into(), HASH.into())],

@@ -67,7 +67,7 @@ proptest! {
             let u = compensator.inverse(compensator.drive(reference), v);
             let exact = needed(&effects, x, v, a);
             let at = Instant { t: 0.0, x, v: 0.0, u: exact, over_s: 0.0 };
-            let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, at));
+            let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, &at));
             let ramp = if effects[0].kind == Kind::DeadZone && exact.abs() < 0.35 { 0.1 } else { 0.0 };
             // The slope of the dead time's inverse is 1.5 within its ramp.
             let tolerance = 1.5 * (1.0 - CAP) * rest * 1.1 + ramp + 1e-6;
@@ -81,7 +81,7 @@ proptest! {
         let effects = [effect(Kind::Stribeck), effect(Kind::PositionFriction)];
         let compensator = Compensator::<f64>::new(&BASE, &effects).unwrap().on();
         let at = Instant { t: 0.0, x, v: 0.0, u: 0.0, over_s: 0.0 };
-        let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, at) + e.breakaway());
+        let rest = effects.iter().fold(BASE.f1, |level, e| level + e.level(&BASE, &at) + e.breakaway());
         let feed = compensator.feed(Setpoint { x, v, a });
         prop_assert!(feed.friction.abs() < rest && feed.friction * v >= 0.0);
         prop_assert_eq!(compensator.feed(Setpoint { x, v: 0.0, a }).friction, 0.0);

@@ -21,7 +21,7 @@ impl Law for AsymmetricViscous {
         compensation: Some("feed-forward d·|v|"),
     };
 
-    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * at.v.abs())
     }
 }

@@ -25,7 +25,7 @@ impl Law for Cogging {
         compensation: Some("feed-forward along the reference"),
     };
 
-    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         let angle = p[1] * at.x;
         let mut force = p[0] * at.averaged(p[1]) * (angle + p[2]).sin();
         if p[3] != R::ZERO {

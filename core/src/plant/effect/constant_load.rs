@@ -21,7 +21,7 @@ impl Law for ConstantLoad {
         compensation: Some("feed-forward f0"),
     };
 
-    fn force<R: Real>(p: &[R], _at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], _at: &Instant<R>) -> R {
         -p[0]
     }
 }

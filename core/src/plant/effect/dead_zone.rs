@@ -21,7 +21,7 @@ impl Law for DeadZone {
         compensation: Some("inverse: u + d·sgn u"),
     };
 
-    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+    fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         (at.u.abs() - p[0]).max(R::ZERO) * at.u.sgn()
     }
 }

@@ -21,7 +21,7 @@ impl Law for Delay {
         compensation: None,
     };
 
-    fn drive<R: Real>(p: &[R], at: Instant<R>, past: Held<'_>, _memory: &mut Memory<R>, h: f64) -> R {
+    fn drive<R: Real>(p: &[R], at: &Instant<R>, past: Held<'_>, _memory: &mut Memory<R>, h: f64) -> R {
         if p[0] <= R::ZERO {
             return at.u;
         }

@@ -23,7 +23,7 @@ impl Law for ElectricalLag {
 
     const REMEMBERS: bool = true;
 
-    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
+    fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
         let ratio = R::from_f64(h) / p[0];
         let decay = (-ratio).exp();
         let error = memory[0] - at.u;

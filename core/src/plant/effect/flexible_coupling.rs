@@ -31,7 +31,7 @@ impl Law for FlexibleCoupling {
         R::ONE - p[0]
     }
 
-    fn mechanics<R: Real>(p: &[R], base: &Base<R>, mid: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+    fn mechanics<R: Real>(p: &[R], base: &Base<R>, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         // memory: position and velocity of the load; midpoint rule.
         let half = 0.5 * h;
         let damping = (p[2] * p[1]).scale(2.0);

@@ -23,7 +23,7 @@ impl Law for FrictionDrift {
         compensation: None,
     };
 
-    fn level<R: Real>(p: &[R], _base: &Base<R>, at: Instant<R>) -> R {
+    fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         p[0] * (-(at.t / p[1])).exp()
     }
 }

@@ -21,7 +21,7 @@ impl Law for GainDrift {
         compensation: None,
     };
 
-    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+    fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u * (R::ONE - p[0] * at.t)
     }
 }

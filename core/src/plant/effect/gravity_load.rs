@@ -22,7 +22,7 @@ impl Law for GravityLoad {
         compensation: Some("feed-forward along the reference"),
     };
 
-    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         p[0] * (at.x + p[1]).sin()
     }
 }

@@ -22,7 +22,7 @@ impl Law for LoadFriction {
         compensation: Some("feed-forward k·|u|"),
     };
 
-    fn level<R: Real>(p: &[R], _base: &Base<R>, at: Instant<R>) -> R {
+    fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         p[0] * at.u.abs()
     }
 }

@@ -57,7 +57,8 @@ pub struct Held<'a> {
 /// Extra state of one effect: bristle, second inertia, filtered drive.
 pub type Memory<R> = [R; 3];
 
-/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence".
+/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and only
+/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` of any.
 ///
 /// `p` holds the parameters in the order of [`Definition::parameters`].
 pub trait Law {
@@ -65,15 +66,15 @@ pub trait Law {
     const DEFINITION: Definition;
 
     /// D: mean drive over the sub-step `h` from the mean drive `at.u` handed on by the effects before it.
-    fn drive<R: Real>(_p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+    fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u
     }
     /// F: force added to the right-hand side, in drive units.
-    fn force<R: Real>(_p: &[R], _at: Instant<R>) -> R {
+    fn force<R: Real>(_p: &[R], _at: &Instant<R>) -> R {
         R::ZERO
     }
     /// F: added to the Coulomb level f1 while sliding, in drive units.
-    fn level<R: Real>(_p: &[R], _base: &Base<R>, _at: Instant<R>) -> R {
+    fn level<R: Real>(_p: &[R], _base: &Base<R>, _at: &Instant<R>) -> R {
         R::ZERO
     }
     /// F: added to the sliding level at v = 0 to give the break-away level, in drive units.
@@ -86,7 +87,7 @@ pub trait Law {
     }
     /// M: mean reaction of the extra mechanics on the motor over a sub-step `h` in which the motor moves at
     /// `mid.v` through `mid.x`; advances the memory.
-    fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
+    fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: &Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
         R::ZERO
     }
     /// Whether the effect remembers: its memory must be brought up to date before a segment.
@@ -161,6 +162,10 @@ macro_rules! catalogue {
             pub const fn definition(self) -> &'static Definition {
                 match self { $(Self::$law => &<$law as Law>::DEFINITION,)* }
             }
+            /// Where the effect acts.
+            pub const fn acts_in(self) -> ActsIn {
+                match self { $(Self::$law => <$law as Law>::DEFINITION.acts_in,)* }
+            }
             /// Whether friction is carried by bristles.
             pub const fn bristles(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::BRISTLES,)* }
@@ -186,17 +191,17 @@ macro_rules! catalogue {
         impl<R: Real> Effect<R> {
             /// See [`Law::drive`].
             #[inline]
-            pub fn drive(&self, at: Instant<R>, past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
+            pub fn drive(&self, at: &Instant<R>, past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::drive(&self.p, at, past, memory, h),)* }
             }
             /// See [`Law::force`].
             #[inline]
-            pub fn force(&self, at: Instant<R>) -> R {
+            pub fn force(&self, at: &Instant<R>) -> R {
                 match self.kind { $(Kind::$law => $law::force(&self.p, at),)* }
             }
             /// See [`Law::level`].
             #[inline]
-            pub fn level(&self, base: &Base<R>, at: Instant<R>) -> R {
+            pub fn level(&self, base: &Base<R>, at: &Instant<R>) -> R {
                 match self.kind { $(Kind::$law => $law::level(&self.p, base, at),)* }
             }
             /// See [`Law::breakaway`].
@@ -211,7 +216,7 @@ macro_rules! catalogue {
             }
             /// See [`Law::mechanics`].
             #[inline]
-            pub fn mechanics(&self, base: &Base<R>, mid: Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
+            pub fn mechanics(&self, base: &Base<R>, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::mechanics(&self.p, base, mid, memory, h),)* }
             }
             /// See [`Law::bristle`].

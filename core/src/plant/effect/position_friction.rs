@@ -24,7 +24,7 @@ impl Law for PositionFriction {
         compensation: Some("feed-forward along the reference"),
     };
 
-    fn level<R: Real>(p: &[R], base: &Base<R>, at: Instant<R>) -> R {
+    fn level<R: Real>(p: &[R], base: &Base<R>, at: &Instant<R>) -> R {
         base.f1 * p[0] * at.averaged(p[1]) * (p[1] * at.x + p[2]).sin()
     }
 }

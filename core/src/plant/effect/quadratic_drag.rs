@@ -21,7 +21,7 @@ impl Law for QuadraticDrag {
         compensation: Some("feed-forward k·v·|v|"),
     };
 
-    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * at.v * at.v.abs())
     }
 }

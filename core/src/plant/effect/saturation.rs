@@ -21,7 +21,7 @@ impl Law for Saturation {
         compensation: None,
     };
 
-    fn drive<R: Real>(p: &[R], at: Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
+    fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u.min(p[0]).max(-p[0])
     }
 }

@@ -24,7 +24,7 @@ impl Law for Stribeck {
         compensation: Some("feed-forward along the reference, with sgn of the reference velocity"),
     };
 
-    fn level<R: Real>(p: &[R], _base: &Base<R>, at: Instant<R>) -> R {
+    fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         let r = at.v.abs() / p[1];
         let r2 = r * r;
         // Past six Stribeck velocities the term is below e⁻³⁶ for p = 2.

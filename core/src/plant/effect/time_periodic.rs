@@ -23,7 +23,7 @@ impl Law for TimePeriodic {
         compensation: None,
     };
 
-    fn force<R: Real>(p: &[R], at: Instant<R>) -> R {
+    fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         p[0] * (p[1] * at.t + p[2]).sin()
     }
 }

@@ -37,7 +37,7 @@ fn fitted(tracks: &[Track], sigma: f64) -> Fit {
         base: Base { b: 1.2 * BASE.b, c: 0.8 * BASE.c, f1: 1.2 * BASE.f1 },
         effects: vec![Effect::new(Kind::ConstantLoad, &[0.8 * LOAD])],
     };
-    Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0 }
+    Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false }
         .fit(&start, &Free::all(&start.effects), None, 30)
         .unwrap()
 }
@@ -81,7 +81,8 @@ fn standard_errors_are_those_of_the_scatter() {
 fn refusals() {
     let tracks = tracks(0.5, 0.0, 1);
     let candidate = Candidate { base: BASE, effects: vec![] };
-    let problem = Problem { tracks: &tracks, segments: &[], sigma: 1e-3, warm_up_s: 0.0, softening: 0.0 };
+    let problem =
+        Problem { tracks: &tracks, segments: &[], sigma: 1e-3, warm_up_s: 0.0, softening: 0.0, coarse: false };
     assert_eq!(problem.fit(&candidate, &Free::all(&[]), None, 5).unwrap_err(), FitError::NoSegment);
     let segments = segments(&tracks, 0.2);
     let problem = Problem { segments: &segments, ..problem };

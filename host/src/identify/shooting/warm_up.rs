@@ -1,0 +1,49 @@
+//! The state at the start of a segment: what the effects remember of the motion before it.
+
+use std::ops::Range;
+
+use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
+use breakaway_core::scalar::Real;
+
+use super::{Problem, Segment};
+use crate::identify::track::Track;
+
+impl Problem<'_> {
+    pub(super) fn initial_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment, start: [R; 4]) -> State<R> {
+        let [x0, v0, y, w] = start;
+        let track = &self.tracks[segment.track];
+        if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
+            return State { x: x0, v: v0, ..plant.at_rest(x0) };
+        }
+        let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
+        let earliest = track.pieces[piece];
+        let first = segment.start.saturating_sub((self.warm_up_s / track.ts) as usize).max(earliest);
+        let before = first..segment.start;
+        // A bristle's start is free: how its history depends on the parameters changes nothing that the fit could not.
+        let mut memory = if plant.effects.iter().all(|effect| effect.kind.bristles() || !effect.kind.remembers()) {
+            let effects: Vec<Effect<f64>> =
+                plant.effects.iter().map(|e| Effect { kind: e.kind, p: e.p.map(Real::to_f64) }).collect();
+            let base = Base { b: plant.base.b.to_f64(), c: plant.base.c.to_f64(), f1: plant.base.f1.to_f64() };
+            let plain = warmed_up(&Plant { base, effects: &effects }, before, track);
+            plain.memory.map(|slot| slot.map(R::from_f64))
+        } else {
+            warmed_up(plant, before, track).memory
+        };
+        let free = plant.effects.iter().position(|effect| effect.kind.free_memory() > 0);
+        if let Some(memory) = free.and_then(|j| memory.get_mut(j)) {
+            memory[0] += y;
+            memory[1] += w;
+        }
+        State { x: x0, v: v0, memory }
+    }
+}
+
+/// The effects' memories after the measured motion `before`, from rest.
+fn warmed_up<R: Real>(plant: &Plant<'_, R>, before: Range<usize>, track: &Track) -> State<R> {
+    let mut state = plant.at_rest(R::from_f64(track.xs[before.start]));
+    for k in before {
+        let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
+        plant.effect_force(&mut state, drive, R::from_f64(track.xs[k]), R::from_f64(track.vs[k]), R::ZERO);
+    }
+    state
+}
