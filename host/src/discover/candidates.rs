@@ -75,8 +75,8 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     if kind.free_memory() == 2 && current.effects.iter().any(|e| e.kind.free_memory() == 2) {
         return Some("the model carries a second body already");
     }
-    if kind == Kind::LoadFriction && has(&[Kind::Backlash]) {
-        return Some("what the backlash's idealised impact leaves grows with the load too");
+    if (kind == Kind::LoadFriction || kind.bristles()) && has(&[Kind::Backlash]) {
+        return Some("what the backlash's idealised impact leaves, after reversals and with the load, looks like it");
     }
     if (kind == Kind::LuGre && has(&[Kind::Stribeck])) || (kind == Kind::Stribeck && has(&[Kind::LuGre])) {
         return Some("LuGre friction has the Stribeck curve in it");
@@ -217,7 +217,7 @@ fn blind(kind: Kind) -> bool {
 
 fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
-    let problem = Problem { coarse: true, ..heat.data.over(&heat.segments) };
+    let problem = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.segments) };
     let heated = |candidate: &Candidate| {
         let free = Free::all(&candidate.effects);
         problem.fit(candidate, &free, Some(&heat.current.initial), FIRST_ITERATIONS)
@@ -227,7 +227,7 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
         return over_short_segments(heat, &problem, chosen(kind, screen.starts(kind), 1)).ok_or(reason);
     }
     let mut tries: Vec<Fit> = Vec::new();
-    let trial = Problem { coarse: true, ..heat.data.over(&heat.trial) };
+    let trial = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.trial) };
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
     let share = if slow { SLOW_SHARE } else { 1 };
     for start in chosen(kind, screen.starts(kind), share) {
@@ -248,13 +248,17 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     }
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
-    // A few iterations over the heat's segments part those; the rest is for the best.
-    let short = |candidate: &Candidate| {
+    let kept = tries.into_iter().take(kept.div_ceil(share));
+    // A few iterations over the heat's segments part those, and the rest is for the best; but of a second body only the end
+    // tells which start leads to it.
+    let part = |candidate: &Candidate| {
         let free = Free::all(&candidate.effects);
         problem.fit(candidate, &free, Some(&heat.current.initial), TRIAL_ITERATIONS)
     };
-    let kept = tries.into_iter().take(kept.div_ceil(share));
-    let best = least(kept.filter_map(|fit| short(&fit.candidate).ok()).collect()).ok_or(reason)?;
+    if kind.free_memory() == 2 {
+        return least(kept.filter_map(|fit| heated(&fit.candidate).ok()).collect()).ok_or(reason);
+    }
+    let best = least(kept.filter_map(|fit| part(&fit.candidate).ok()).collect()).ok_or(reason)?;
     heated(&best.candidate).map_err(|error| error.to_string())
 }
 

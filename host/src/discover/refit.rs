@@ -30,8 +30,8 @@ const WHOLE: f64 = 0.1;
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     resolved(data, &start.candidate)?;
     let problem = data.problem();
-    // What has a memory takes many sub-steps: most of the way with half of them.
-    let slow = start.candidate.effects.iter().any(|effect| effect.kind.remembers());
+    // Bristles take many sub-steps: most of the way with half of them.
+    let slow = start.candidate.effects.iter().any(|effect| effect.kind.bristles());
     let first = Problem { coarse: slow, ..problem };
     let mut fit = first.fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
     if slow {
