@@ -4,7 +4,8 @@ pub mod peers;
 
 use anyhow::Result;
 
-use crate::run::{cargo, run};
+use crate::cross::target_folder;
+use crate::run::{cargo, root, run};
 
 /// Packages with benches.
 const PACKAGES: [&str; 2] = ["breakaway-core", "breakaway"];
@@ -16,6 +17,14 @@ pub fn all() -> Result<()> {
         run(&mut cargo(["bench", "--package", package]))?;
     }
     Ok(())
+}
+
+/// Time and memory over the length and the number of recordings.
+pub fn scale() -> Result<()> {
+    run(&mut cargo(["build", "--release", "--package", "breakaway"]))?;
+    let program = target_folder().join("release/breakaway");
+    let mut command = cargo(["run", "--release", "--package", "breakaway-bench", "--bin", "scale", "--"]);
+    run(command.arg(program).arg(root().join("docs")))
 }
 
 /// The blind matrix.

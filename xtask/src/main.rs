@@ -47,6 +47,9 @@ enum Task {
         /// Run these parts alone; the others' tables are those of their last run
         #[arg(long, requires = "peers", value_delimiter = ',')]
         only: Vec<bench::peers::Part>,
+        /// Time and memory from ten seconds to an hour and from 1 to 64 recordings, into docs/scale.md; needs Linux
+        #[arg(long, conflicts_with = "peers")]
+        scale: bool,
     },
     /// Discover blind cases: the hidden plant, scored against its sealed truth, in release
     Blind {
@@ -67,8 +70,9 @@ fn main() -> ExitCode {
         Task::Image => cross::install().and_then(image::build),
         Task::Budget { record } => cross::install().and_then(|toolchain| budget::measure(toolchain, record)),
         Task::Fuzz { seconds } => fuzz::all(seconds),
+        Task::Bench { scale: true, .. } => bench::scale(),
         Task::Bench { peers: false, .. } => bench::all(),
-        Task::Bench { peers: true, only } => bench::peers::run_parts(&only),
+        Task::Bench { peers: true, only, .. } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
         Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),

@@ -185,15 +185,13 @@ fn told(found: &Discovery) -> String {
     }
     text.push_str("\ncandidates of the first round:\n");
     for row in found.candidates.iter().take(8) {
-        let _ = writeln!(
-            text,
-            "  {:<22} Δ {:>8.4}  z {:>6.1}  λ {:>9.0}  {}",
-            row.kind.name(),
-            row.delta,
-            row.z,
-            row.lambda,
-            row.fate
-        );
+        // What did not come to the final has no evidence.
+        let evidence = if row.delta.is_finite() {
+            format!("Δ {:>8.4}  z {:>6.1}  λ {:>9.0}", row.delta, row.z, row.lambda)
+        } else {
+            "–".to_owned()
+        };
+        let _ = writeln!(text, "  {:<22} {evidence:<33}  {}", row.kind.name(), row.fate);
     }
     if let Some(next) = &found.next_experiment {
         let names: Vec<&str> = next.separates.iter().map(|k| k.name()).collect();

@@ -43,8 +43,7 @@ pub struct Data {
 impl Data {
     /// Prepares recordings in segments of `segment_s`. Without `holdout` the last third of every recording is held out.
     pub fn new(recordings: &[Recording], holdout: &[Recording], segment_s: f64) -> Self {
-        let all: Vec<Recording> = recordings.iter().chain(holdout).cloned().collect();
-        let tracks = track::session(&all);
+        let tracks = track::session(recordings.iter().chain(holdout));
         let segments = shooting::segments(&tracks, segment_s);
         let open = shooting::segments(&tracks, OPEN_LOOP_S);
         let held_out = |segment: &Segment| {

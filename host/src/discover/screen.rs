@@ -59,10 +59,10 @@ impl<'a> Screen<'a> {
     }
 
     fn of_width(data: &'a Data, current: &Candidate, width_s: f64) -> Option<Self> {
-        let windows: Vec<Window> = weak::windows_of(&data.tracks, width_s)
-            .into_iter()
-            .filter(|w| data.fit.iter().any(|s| s.track == w.track && inside(s, w)))
-            .collect();
+        // Of a session of an hour few segments are simulated: its other windows are not made.
+        let within = |s: &Segment, track, first, last| s.track == track && s.start <= first && last < s.start + s.len;
+        let wanted = |track, first, last| data.fit.iter().any(|s| within(s, track, first, last));
+        let windows = weak::windows_of(&data.tracks, width_s, wanted);
         let (all, mut target) = weak::base_columns(&windows);
         let columns = all.columns(0, 3).into_owned();
         let mut screen = Self {
@@ -276,10 +276,6 @@ pub(super) fn stroke(data: &Data) -> f64 {
         x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
     });
     median(travels.collect()).max(data.sigma)
-}
-
-fn inside(segment: &Segment, window: &Window) -> bool {
-    segment.start <= window.first && window.first + window.weights.len() < segment.start + segment.len
 }
 
 /// The phase that belongs to amplitude `i`: the next phase that is fitted, before another amplitude.

@@ -210,10 +210,10 @@ fn kernels(s: &[f64]) -> Vec<[f64; 3]> {
 
 /// Prepares several recordings on one session clock: those that share a running time axis keep it; where a
 /// recording's clock starts before the previous one's end, it is taken to follow it.
-pub fn session(recordings: &[Recording]) -> Vec<Track> {
+pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<Track> {
     let mut end = f64::NEG_INFINITY;
     recordings
-        .iter()
+        .into_iter()
         .map(|recording| {
             let mut track = Track::new(recording);
             let first = track.t.first().copied().unwrap_or(0.0);

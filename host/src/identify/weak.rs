@@ -110,11 +110,12 @@ impl Kernels {
 
 /// All windows of the tracks that lie within one piece and hold no stick phase.
 pub fn windows(tracks: &[Track]) -> Vec<Window> {
-    windows_of(tracks, HALF_WIDTH_S)
+    windows_of(tracks, HALF_WIDTH_S, |_, _, _| true)
 }
 
-/// As [`windows`], of another half-width, s: the noise of their force falls as its power −2.5.
-pub fn windows_of(tracks: &[Track], half_width_s: f64) -> Vec<Window> {
+/// As [`windows`], of another half-width, s (the noise of their force falls as its power −2.5), and only those that are
+/// wanted, by track, first and last sample.
+pub fn windows_of(tracks: &[Track], half_width_s: f64, wanted: impl Fn(usize, usize, usize) -> bool) -> Vec<Window> {
     let mut all = Vec::new();
     for (index, track) in tracks.iter().enumerate() {
         let half = ((half_width_s / track.ts).round() as usize).max(MIN_HALF_SAMPLES);
@@ -125,7 +126,7 @@ pub fn windows_of(tracks: &[Track], half_width_s: f64) -> Vec<Window> {
             let mut centre = piece[0] + half;
             while centre + half < piece[1] {
                 let (first, last) = (centre - half, centre + half);
-                if !still[first..=last].iter().any(|s| *s) {
+                if wanted(index, first, last) && !still[first..=last].iter().any(|s| *s) {
                     let s: Vec<f64> = (first..=last).map(|k| (track.t[k] - track.t[centre]) / width).collect();
                     let uniform =
                         s.iter().enumerate().all(|(i, si)| (si - (i as f64 / half as f64 - 1.0)).abs() < 1e-3);
