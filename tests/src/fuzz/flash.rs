@@ -61,7 +61,6 @@ pub fn run(bytes: &[u8]) -> bool {
         let _ = store.save(&settings, loaded.model.as_ref());
         loaded
     };
-
     let again = open(&mut ram).load(defaults);
     // Whether that is what was saved is another question where cells are not as erased as they look: docs/robustness.md.
     sound(&again, defaults);
