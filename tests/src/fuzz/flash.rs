@@ -62,7 +62,7 @@ pub fn run(bytes: &[u8]) -> bool {
         loaded
     };
     let again = open(&mut ram).load(defaults);
-    // Whether that is what was saved is another question where cells are not as erased as they look: docs/robustness.md.
+    // Whether that is what was saved is another question where cells are not as erased as they look: docs/hard-to-break.md.
     sound(&again, defaults);
     loaded.lost.is_none()
 }
