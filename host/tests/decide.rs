@@ -75,9 +75,22 @@ fn all_three_thresholds_are_asked() {
     assert!(Paired { delta: 9.0, z: 9.0, lambda: 99.0 }.names(2, &t));
 }
 
+/// A likelihood of more than 100, after the price, needs only z above 1.2; the least gain is asked all the same.
+#[test]
+fn a_likelihood_beyond_doubt_needs_no_vote() {
+    let t = Thresholds { delta: 0.5, z: 2.0, lambda: 25.0, price: 3.5 };
+    let few = Paired { delta: 0.5, z: 1.3, lambda: 107.5 };
+    assert!(few.names(2, &t));
+    assert!(!few.names(3, &t));
+    assert!(!Paired { lambda: 107.0, ..few }.names(2, &t));
+    assert!(!Paired { z: 1.2, ..few }.names(2, &t));
+    assert!(!Paired { delta: 0.49, ..few }.names(2, &t));
+}
+
 /// A further effect is asked for more than the first, and for nothing less.
 #[test]
 fn a_further_effect_needs_more() {
-    assert!(FURTHER.delta > NAMING.delta);
+    let (first, further) = (NAMING, FURTHER);
+    assert!(further.delta > first.delta);
     assert_eq!((FURTHER.z, FURTHER.lambda, FURTHER.price), (NAMING.z, NAMING.lambda, NAMING.price));
 }
