@@ -10,6 +10,7 @@
 pub mod control;
 pub mod estimate;
 pub mod excite;
+mod fnv;
 pub mod link;
 pub mod plant;
 pub mod scalar;

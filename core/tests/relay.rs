@@ -59,6 +59,25 @@ fn settled_cycles_agree_with_the_exact_ones() {
     }
 }
 
+/// A known f1 gives the contraction of a cycle, ρ = e^(−2(h2−f1)/h1) (identification.md section 2).
+#[test]
+fn the_contraction_is_that_of_the_known_friction() {
+    for (h1, h2) in [(2.5, 2.0), (2.0, 1.5)] {
+        let end = outcome(REFERENCE, run(h1, h2, 1e-4, 20.0), IDEAL, |settings| settings.f1 = Some(0.5));
+        let RelayOutcome::Settled(cycle) = end else { panic!("{end:?}") };
+        let expected = (-2.0 * (h2 - 0.5) / h1).exp();
+        assert!((cycle.contraction - expected).abs() < 1e-12, "{h1}: {} {expected}", cycle.contraction);
+    }
+}
+
+/// Without f1 it is the ratio of two changes, but no faster than a frictionless axis (f1 = 0) and no slower than 0.95.
+#[test]
+fn the_observed_contraction_has_its_bounds() {
+    let end = outcome(REFERENCE, run(2.0, 1.5, 1e-4, 20.0), IDEAL, |_| ());
+    let RelayOutcome::Settled(cycle) = end else { panic!("{end:?}") };
+    assert!(cycle.contraction >= (-1.5_f64).exp() - 1e-12 && cycle.contraction <= 0.95, "{cycle:?}");
+}
+
 /// With noise and a coarse encoder at 1 kHz, as row 10's record: still settled.
 #[test]
 fn noise_does_not_hide_the_cycle() {
@@ -151,7 +170,15 @@ fn limits_and_time_out() {
     let end = outcome(REFERENCE, run(2.0, 1.5, 1e-3, 5.0), IDEAL, |settings| {
         settings.timeout_s = 1.0;
     });
-    assert!(matches!(end, RelayOutcome::Timeout { .. }), "{end:?}");
+    assert!(matches!(end, RelayOutcome::Timeout { cycles: 2.., last_change } if last_change < 1.0), "{end:?}");
+    // The first cycle from standstill has none before it: its change is not known, and counts as whole.
+    let end = outcome(REFERENCE, run(2.0, 1.5, 1e-3, 5.0), IDEAL, |settings| settings.timeout_s = 0.03);
+    assert!(matches!(end, RelayOutcome::Timeout { cycles: 0..=1, last_change: 1.0 }), "{end:?}");
+    // At 1 ms a crossing is known within a tick of the 723: nothing settles to the least tolerance, and the cycles'
+    // changes stay within two ticks.
+    let end = outcome(REFERENCE, run(2.0, 1.5, 1e-3, 20.0), IDEAL, |settings| settings.tolerance = 1e-5);
+    let RelayOutcome::Timeout { cycles: 20.., last_change } = end else { panic!("{end:?}") };
+    assert!(last_change < 2.0 / 723.0, "{last_change}");
     let detector = LimitCycleDetector::new(settings(run(2.0, 1.5, 1e-3, 5.0), IDEAL)).unwrap();
     let mut state = detector.start();
     assert_eq!(detector.push(&mut state, 0.0, 3.5), None);

@@ -4,6 +4,7 @@ pub mod adaptive;
 pub mod adaptive_page;
 pub mod blind;
 pub mod drift;
+pub mod fuzz;
 pub mod robustness;
 pub mod robustness_page;
 use std::path::PathBuf;

@@ -1,44 +1,128 @@
-//! `cargo xtask fuzz`: the bounded fuzz tests of the suite, run for as long as asked.
+//! `cargo xtask fuzz`: every input under libFuzzer, from the seeds of fuzz/corpus.
 //!
-//! Each is an ordinary integration test that takes the number of its iterations from `BREAKAWAY_FUZZ_ITERATIONS`.
+//! The targets are in tests/src/fuzz; their bounded test in the suite is tests/tests/fuzz.rs. Runs on the active toolchain:
+//! there is no sanitizer, because the project's own code has no `unsafe` that runs on the host.
 
-use std::process::Command;
-use std::time::Instant;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
-use anyhow::Result;
+use anyhow::{Context, Result, bail, ensure};
 
-use crate::run::{cargo, run};
+use crate::run::{cargo, root, run, succeeds};
 
-/// Package and integration test of each.
-const FUZZ_TESTS: [(&str, &str); 2] = [("breakaway", "reader_fuzz"), ("breakaway", "model_fuzz")];
+/// One input may take this long, s, and this much memory, MiB.
+const TIMEOUT_S: u64 = 20;
+const MEMORY_MIB: u64 = 1024;
 
-/// Iterations of the run that measures how fast the test is.
-const PILOT: u64 = 10_000;
+/// What libFuzzer says of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Outcome {
+    executions: u64,
+    /// Edges of the program that were reached.
+    edges: u64,
+    /// Inputs that each reach something of their own.
+    corpus: u64,
+    /// File with the input that broke a promise.
+    found: Option<String>,
+}
 
-/// Runs each fuzz test for about `seconds`.
-pub fn all(seconds: u64) -> Result<()> {
-    for (package, test) in FUZZ_TESTS {
-        println!("\n==> fuzz {package}::{test}");
-        run(command(package, test).arg("--no-run"))?;
-        let start = Instant::now();
-        run(command(package, test).env("BREAKAWAY_FUZZ_ITERATIONS", PILOT.to_string()))?;
-        let pilot = start.elapsed().as_secs_f64();
-        let iterations = iterations(seconds as f64 - pilot, pilot);
-        if iterations > 0 {
-            run(command(package, test).env("BREAKAWAY_FUZZ_ITERATIONS", iterations.to_string()))?;
+impl Outcome {
+    /// Takes a line of libFuzzer's: `#123 REDUCE cov: 10 ft: 20 corp: 3/45b …`, `stat::number_of_executed_units: 5` or
+    /// `Test unit written to FILE`.
+    fn read(&mut self, line: &str) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let after = |name: &str| words.iter().position(|word| *word == name).and_then(|at| words.get(at + 1).copied());
+        let number = |text: Option<&str>| text.and_then(|text| text.split('/').next()?.parse().ok());
+        self.edges = number(after("cov:")).unwrap_or(self.edges);
+        self.corpus = number(after("corp:")).unwrap_or(self.corpus);
+        self.executions = number(after("stat::number_of_executed_units:")).unwrap_or(self.executions);
+        if let Some((_, file)) = line.split_once("Test unit written to ") {
+            self.found = Some(file.trim().to_owned());
         }
-        println!("{package}::{test}: {:.1} s", start.elapsed().as_secs_f64());
     }
+}
+
+/// Runs `targets` (all, where none is named) for `seconds` each.
+pub fn all(targets: &[String], seconds: u64) -> Result<()> {
+    let known = known()?;
+    if let Some(other) = targets.iter().find(|target| !known.contains(target)) {
+        bail!("there is no target {other}; there are {}", known.join(", "));
+    }
+    if !succeeds(&mut cargo(["fuzz", "--version"])) {
+        bail!("cargo-fuzz is missing: `cargo install cargo-fuzz --locked` installs it; it needs a C++ compiler");
+    }
+    let chosen = if targets.is_empty() { &known } else { targets };
+    let mut rows = Vec::new();
+    for target in chosen {
+        println!("\n==> fuzz {target}");
+        rows.push((target, one(target, seconds)?));
+    }
+    println!("\n| input | executions | edges reached | inputs kept | found |\n|---|---|---|---|---|");
+    for (target, outcome) in &rows {
+        let Outcome { executions, edges, corpus, found } = outcome;
+        println!("| {target} | {executions} | {edges} | {corpus} | {} |", found.as_deref().unwrap_or("nothing"));
+    }
+    let found = rows.iter().filter(|(_, outcome)| outcome.found.is_some()).count();
+    ensure!(
+        found == 0,
+        "{found} of the inputs broke a promise: mend it, and keep the file in fuzz/corpus/TARGET/ as its test"
+    );
     Ok(())
 }
 
-fn command(package: &str, test: &str) -> Command {
-    cargo(["test", "--release", "--package", package, "--test", test])
+/// The names of the targets: those of their programs.
+fn known() -> Result<Vec<String>> {
+    let programs = fs::read_dir(root().join("fuzz/fuzz_targets"))?;
+    let names = programs.map(|entry| Ok(entry?.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()));
+    let mut names = names.collect::<Result<Vec<String>>>()?;
+    names.sort();
+    Ok(names)
 }
 
-/// How many iterations fill the remaining time, given how long [`PILOT`] of them took; both in seconds.
-fn iterations(remaining_s: f64, pilot_s: f64) -> u64 {
-    (PILOT as f64 * remaining_s / pilot_s.max(1e-3)).max(0.0) as u64
+/// What is found along the way is kept between runs, outside of the tree that is committed.
+fn grown(target: &str, kind: &str) -> Result<PathBuf> {
+    let folder = root().join("target/fuzz").join(kind).join(target);
+    fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+fn one(target: &str, seconds: u64) -> Result<Outcome> {
+    let fuzz = |action: &str| cargo(["fuzz", action, "--fuzz-dir", "fuzz", "--sanitizer", "none", target]);
+    run(&mut fuzz("build"))?;
+    let found = grown(target, "found")?;
+    let mut command = fuzz("run");
+    command.arg(grown(target, "corpus")?).arg(root().join("fuzz/corpus").join(target)).arg("--");
+    command.args([
+        format!("-max_total_time={seconds}"),
+        format!("-timeout={TIMEOUT_S}"),
+        format!("-rss_limit_mb={MEMORY_MIB}"),
+        format!("-artifact_prefix={}/", found.display()),
+        "-print_final_stats=1".to_owned(),
+    ]);
+    watch(&mut command)
+}
+
+/// Runs to the end, shows all but the lines of progress.
+fn watch(command: &mut Command) -> Result<Outcome> {
+    // A promise that is broken in a caught panic would print its trace each time.
+    command.env("RUST_BACKTRACE", "0").stdin(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().context("cargo fuzz")?;
+    let mut outcome = Outcome::default();
+    for line in BufReader::new(child.stderr.take().context("no output")?).split(b'\n') {
+        let line = String::from_utf8_lossy(&line?).into_owned();
+        outcome.read(&line);
+        if !line.starts_with('#') || line.contains("DONE") {
+            eprintln!("{line}");
+        }
+    }
+    let status = child.wait()?;
+    ensure!(status.success() || outcome.found.is_some(), "cargo fuzz: {status}");
+    if let Some(file) = &mut outcome.found {
+        *file = Path::new(file).strip_prefix(root()).map_or(file.clone(), |short| short.display().to_string());
+    }
+    Ok(outcome)
 }
 
 #[cfg(test)]
@@ -46,8 +130,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn iterations_fill_the_time_that_is_left() {
-        assert_eq!(iterations(59.0, 1.0), 59 * PILOT);
-        assert_eq!(iterations(-2.0, 3.0), 0);
+    fn libfuzzers_lines_are_read() {
+        let mut outcome = Outcome::default();
+        for line in [
+            "INFO: seed corpus: files: 5 min: 160b max: 420b total: 1432b rss: 42Mb",
+            "#6\tINITED cov: 2187 ft: 4000 corp: 5/1432b exec/s: 0 rss: 50Mb",
+            "#1024\tREDUCE cov: 2301 ft: 5003 corp: 77/12Kb lim: 420 exec/s: 512 rss: 61Mb L: 100/420 MS: 1 EraseBytes-",
+            "stat::number_of_executed_units: 2048",
+        ] {
+            outcome.read(line);
+        }
+        assert_eq!(outcome, Outcome { executions: 2048, edges: 2301, corpus: 77, found: None });
+        outcome.read("artifact_prefix='found/'; Test unit written to found/crash-12ab");
+        assert_eq!(outcome.found.as_deref(), Some("found/crash-12ab"));
+    }
+
+    /// Every program has its seeds; that it has its target is seen by tests/tests/fuzz.rs, which names them all.
+    #[test]
+    fn every_target_has_seeds() {
+        let known = known().unwrap();
+        assert_eq!(known.len(), 7);
+        for target in known {
+            assert!(root().join("fuzz/corpus").join(&target).read_dir().unwrap().next().is_some(), "{target}");
+        }
     }
 }

@@ -1,5 +1,7 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `loops`, `fleet-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
+//! `loops`, `fleet-test`.
 
+mod arrows;
 mod bench;
 mod budget;
 mod check;
@@ -9,6 +11,7 @@ mod fleet;
 mod fuzz;
 mod image;
 mod loops;
+mod miri;
 mod report;
 mod run;
 mod setup;
@@ -33,11 +36,20 @@ enum Task {
         #[arg(long)]
         record: bool,
     },
-    /// Run the bounded fuzz tests of the test suite for longer
+    /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
-        /// Time for each fuzz test
+        /// Inputs: recording, model, controller, experiment, frame, command, flash; all of them where none is named
+        targets: Vec<String>,
+        /// Time for each
         #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
         seconds: u64,
+    },
+    /// Draw which room uses which into docs/architecture.md
+    Arrows,
+    /// Run the core's tests under Miri: undefined behaviour, on 32 bits; needs nightly, and is no part of `test`
+    Miri {
+        /// Only tests whose names contain this
+        filter: Option<String>,
     },
     /// Run the benches, in release
     Bench {
@@ -69,7 +81,9 @@ fn main() -> ExitCode {
         Task::Setup => setup::all(),
         Task::Image => cross::install().and_then(image::build),
         Task::Budget { record } => cross::install().and_then(|toolchain| budget::measure(toolchain, record)),
-        Task::Fuzz { seconds } => fuzz::all(seconds),
+        Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),
+        Task::Arrows => arrows::draw(),
+        Task::Miri { filter } => miri::run(filter.as_deref()),
         Task::Bench { scale: true, .. } => bench::scale(),
         Task::Bench { peers: false, .. } => bench::all(),
         Task::Bench { peers: true, only, .. } => bench::peers::run_parts(&only),

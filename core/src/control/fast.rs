@@ -3,7 +3,7 @@
 //! libm's `sinf` computes in f64, which a Cortex-M4F does in software: several hundred instructions. The sine here
 //! takes turns instead of radians, so that the reduction of the angle is the fractional part.
 
-use crate::estimate::nco;
+use crate::scalar::nco;
 use crate::scalar::{Q32, Real};
 use fixed::types::I32F32;
 

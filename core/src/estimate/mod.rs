@@ -5,6 +5,5 @@ pub mod describing_function;
 pub mod limit_cycle;
 pub mod linear;
 pub mod modulating;
-pub mod nco;
 pub mod papers;
 pub mod sine;

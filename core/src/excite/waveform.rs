@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::nco::sin_cos;
+use crate::scalar::nco::sin_cos;
 
 /// Points of a [`Shape::Table`]'s period; read with linear interpolation, so the 64th harmonic still has 8 of them.
 pub const TABLE_POINTS: usize = 512;

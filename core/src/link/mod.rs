@@ -43,15 +43,4 @@ pub const BAUD: u32 = 921_600;
 /// The drive code of full drive.
 pub const FULL_SCALE_CODE: i16 = i16::MAX;
 /// Fingerprint of the wire format: the FNV-1a hash of the golden vectors.
-pub const SCHEMA: u32 = fnv1a(include_bytes!("golden.txt"));
-
-/// FNV-1a, 32 bits.
-pub(crate) const fn fnv1a(bytes: &[u8]) -> u32 {
-    let mut hash = 0x811c_9dc5_u32;
-    let mut i = 0;
-    while i < bytes.len() {
-        hash = (hash ^ bytes[i] as u32).wrapping_mul(0x0100_0193);
-        i += 1;
-    }
-    hash
-}
+pub const SCHEMA: u32 = crate::fnv::fnv1a(include_bytes!("golden.txt"));

@@ -6,7 +6,7 @@
 //! atan2 2 steps (5e-10), ln 2 steps, exp 2 steps + 2e-10 relative, sqrt 1 step.
 
 use super::Real;
-use crate::estimate::nco;
+use crate::scalar::nco;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use fixed::types::I32F32;
 

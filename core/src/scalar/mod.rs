@@ -1,9 +1,11 @@
-//! The number trait: everything in the core that is not integer arithmetic is generic over [`Real`].
+//! The number trait: everything in the core that is not integer arithmetic is generic over [`Real`]; and the integer sine
+//! and cosine of the tick ([`nco`]).
 
 #[cfg(feature = "micromath")]
 pub mod fast;
 mod fixed_point;
 mod float;
+pub mod nco;
 
 pub use fixed_point::Q32;
 

@@ -53,7 +53,7 @@ fn each_kind_of_damage_has_its_name() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 4 } else { 2000 }))]
 
     /// Arbitrary bytes: no panic, and no more frames than zeros.
     #[test]

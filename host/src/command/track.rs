@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use breakaway_core::control::{Controller, Setpoint};
-use breakaway_core::link::{BAUD, Mismatch};
+use breakaway_core::link::BAUD;
 use serde::Serialize;
 
 use super::output::Output;
@@ -16,7 +16,7 @@ use super::recording_args::{not_negative, positive};
 use super::tune::TuneArgs;
 use crate::control::design::Design;
 use crate::control::reference::Reference;
-use crate::control::tracking::{Bench, Tracked, track};
+use crate::control::tracking::{Bench, Case, OnBoard, track};
 use crate::file::{make_folder, write_whole};
 use crate::model::Model;
 use crate::recording::Units;
@@ -82,28 +82,6 @@ pub struct Args {
     /// Tuning, unless a controller is given.
     #[command(flatten)]
     pub tuning: TuneArgs,
-}
-
-/// A tracked reference under its name.
-#[derive(Debug)]
-pub struct Case {
-    /// Short name, for files and JSON.
-    pub name: &'static str,
-    /// Name for a reader.
-    pub title: &'static str,
-    /// What came of it.
-    pub tracked: Tracked,
-    /// Of a board: what is beside it.
-    pub board: Option<OnBoard>,
-}
-
-/// What a board adds to a run.
-#[derive(Clone, Debug, Serialize)]
-pub struct OnBoard {
-    /// Samples lost on the way.
-    pub missing: u64,
-    /// What its drift watch said.
-    pub mismatches: Vec<Mismatch>,
 }
 
 #[derive(Debug, Serialize)]

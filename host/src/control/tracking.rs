@@ -1,6 +1,8 @@
 //! The closed loop on the simulated axis: the core's controller, in the number type of the board, behind encoder and delay.
 
 use breakaway_core::control::{Controller, ControllerState, Setpoint};
+use breakaway_core::link::Mismatch;
+use serde::Serialize;
 
 use crate::model::Model;
 use crate::recording::Recording;
@@ -55,6 +57,28 @@ impl Tracked {
         let counted = &self.recording.u[self.from.min(self.error.len())..];
         (counted.iter().map(|u| u * u).sum::<f64>() / counted.len().max(1) as f64).sqrt()
     }
+}
+
+/// A tracked reference under its name.
+#[derive(Debug)]
+pub struct Case {
+    /// Short name, for files and JSON.
+    pub name: &'static str,
+    /// Name for a reader.
+    pub title: &'static str,
+    /// What came of it.
+    pub tracked: Tracked,
+    /// Of a board: what is beside it.
+    pub board: Option<OnBoard>,
+}
+
+/// What a board adds to a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnBoard {
+    /// Samples lost on the way.
+    pub missing: u64,
+    /// What its drift watch said.
+    pub mismatches: Vec<Mismatch>,
 }
 
 /// Follows `reference` on a plant, from rest; figures count from sample `from` on.

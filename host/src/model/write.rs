@@ -21,7 +21,8 @@ impl Model {
     pub fn to_toml(&self) -> String {
         let mut out = String::new();
         for remark in &self.provenance {
-            let remark = remark.replace(char::is_control, " ");
+            // TOML allows a tab in a comment, and characters beyond ASCII; what was read is written again.
+            let remark = remark.replace(|c: char| c.is_ascii_control() && c != '\t', " ");
             line(&mut out, format!("# {}", remark.trim()).trim_end());
         }
         if !self.provenance.is_empty() {

@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use super::figure::{Figure, Ink, Series, Strip, stack};
 use super::page::{Page, Section, table};
 use super::text::{escape, number, quantity};
-use crate::command::track::Case;
-use crate::control::tracking::Bench;
+use crate::control::tracking::{Bench, Case};
 use crate::recording::Units;
 
 /// What the page shows.

@@ -2,7 +2,7 @@
 
 use super::{Setpoint, TrajectoryError, check_tick};
 use crate::control::fast::Fast;
-use crate::estimate::nco::Nco;
+use crate::scalar::nco::Nco;
 
 /// `x = A·sin ωt`, from the middle; the velocity at t = 0 is Aω.
 #[derive(Clone, Copy, Debug)]

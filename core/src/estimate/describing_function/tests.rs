@@ -78,3 +78,90 @@ fn no_cycle_has_its_reason() {
     assert_eq!(predict(&PLANT, 0.0, 2.0), Err(NoCycle::H1));
     assert_eq!(predict(&Base { c: 0.0, ..PLANT }, 1.0, 2.0), Err(NoCycle::NoDamping));
 }
+
+/// h2 = c·z + f1 over the experiments, z = π·a·ω/4, by ordinary least squares.
+fn line(experiments: &[CycleFit<f64>]) -> crate::estimate::linear::Solution<f64, 2> {
+    let mut sums = crate::estimate::linear::NormalEquations::<f64, 2>::default();
+    for fit in experiments {
+        sums.add(&[FRAC_PI_4 * fit.a * fit.omega, 1.0], fit.h2);
+    }
+    sums.solve(1e12).unwrap()
+}
+
+/// The condition is that of the line's scaled normal matrix, from its eigenvalues.
+#[test]
+fn the_condition_is_that_of_the_line() {
+    for experiments in [[fit(2.0, 1.5), fit(1.0, 0.7)], [fit(2.0, 1.5), fit(1.9, 1.45)]] {
+        let found = describing_function(&experiments).unwrap().condition;
+        assert!((found / line(&experiments).condition - 1.0).abs() < 1e-9, "{found}");
+    }
+}
+
+/// Speeds that differ by a part in a thousand have a condition of 1.6e7: past the bound, whatever h2 says.
+#[test]
+fn speeds_that_are_nearly_the_same_are_refused() {
+    let nearly = |by: f64| {
+        let first = fit(2.0, 1.5);
+        describing_function(&[first, CycleFit { a: first.a * (1.0 + by), h2: 1.4, ..first }])
+    };
+    assert_eq!(nearly(1e-3), Err(DescribingError::SameSpeed));
+    // Condition 4·(2/δ)²: 1e6 at δ = 4e-3.
+    assert_eq!(nearly(3.9e-3), Err(DescribingError::SameSpeed));
+    assert!(nearly(4.1e-3).is_ok());
+}
+
+/// Experiments that disagree widen the errors, also where each is exact in itself: those of c and f1 are the line's, that of
+/// b is the error of a mean.
+#[test]
+fn disagreement_is_an_error_too() {
+    let mut four = [fit(2.0, 1.5), fit(1.0, 0.7), fit(2.5, 2.0), fit(4.0, 3.5)];
+    for (fit, by) in four.iter_mut().zip([0.02, -0.01, -0.03, 0.01]) {
+        fit.h2 += by;
+        fit.h1 *= 1.0 + by;
+    }
+    let found = describing_function(&four).unwrap();
+    let textbook = line(&four);
+    for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+        let (found, expected) = (found.covariance[i + 1][j + 1], textbook.covariance[i][j]);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{i} {j}: {found} {expected}");
+    }
+    let inertias = four.map(|fit| fit.h1 / (FRAC_PI_4 * fit.a * fit.omega * fit.omega));
+    let mean = inertias.iter().sum::<f64>() / 4.0;
+    let expected = inertias.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (3.0 * 4.0);
+    assert!((found.covariance[0][0] / expected - 1.0).abs() < 1e-9);
+}
+
+/// Disagreement that the experiments' own errors explain is not counted a second time.
+#[test]
+fn disagreement_within_the_errors_is_none() {
+    let exact = [fit(2.0, 1.5), fit(1.0, 0.7), fit(2.5, 2.0), fit(4.0, 3.5)].map(|fit| {
+        // Each amplitude's error moves the line by 0.02.
+        CycleFit { a_error: 0.02 / (PLANT.c * FRAC_PI_4 * fit.omega), ..fit }
+    });
+    let mut scattered = exact;
+    for (fit, by) in scattered.iter_mut().zip([0.012, -0.012, -0.012, 0.012]) {
+        fit.h2 += by;
+    }
+    let [own, with] = [exact, scattered].map(|four| describing_function(&four).unwrap().covariance[1][1]);
+    assert!((with / own - 1.0).abs() < 0.15, "{own} {with}");
+}
+
+/// Each number of an experiment is looked at by itself, and what it comes to.
+#[test]
+fn every_number_of_an_experiment_is_checked() {
+    let good = fit(1.0, 0.7);
+    for bad in [
+        CycleFit { h1: 0.0, ..good },
+        CycleFit { h2: f64::INFINITY, ..good },
+        CycleFit { a: -1.0, ..good },
+        CycleFit { omega: 0.0, ..good },
+        CycleFit { a_error: -1e-9, ..good },
+        CycleFit { omega_error: f64::NAN, ..good },
+        // An inertia and a speed past the largest number.
+        CycleFit { a: 1e-300, omega: 1e-10, ..good },
+        CycleFit { a: 1e200, omega: 1e-30, ..good },
+    ] {
+        let found = describing_function(&[fit(2.0, 1.5), bad]);
+        assert_eq!(found, Err(DescribingError::BadExperiment { index: 1 }), "{bad:?}");
+    }
+}

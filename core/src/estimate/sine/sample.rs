@@ -1,6 +1,6 @@
 //! Sums of one block, for each type of sample.
 
-use crate::estimate::nco;
+use crate::scalar::nco;
 
 /// A sample that the streaming fit can sum: i32 counts (integer arithmetic only), f32 or f64.
 pub trait Sample: Copy + core::fmt::Debug + sealed::Sealed {

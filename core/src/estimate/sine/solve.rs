@@ -17,7 +17,7 @@ use super::refine::{Border, Point, refine};
 use super::result::{Scales, SineFit};
 use super::{MIN_CYCLES_FREE, SineError};
 use crate::estimate::angle::sin_cos;
-use crate::estimate::nco::Nco;
+use crate::scalar::nco::Nco;
 use core::f64::consts::{PI, TAU};
 
 /// Linear parameters: p, q, d.

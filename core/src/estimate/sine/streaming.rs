@@ -8,7 +8,7 @@
 use super::sample::Sample;
 use super::solve::{self, Block};
 use super::{SineError, SineFit};
-use crate::estimate::nco::{Nco, NcoError};
+use crate::scalar::nco::{Nco, NcoError};
 
 /// Fewest samples of a first block: sine, cosine and constant need three to be told apart, four to be so with ease.
 const SHORTEST_BLOCK: u64 = 4;

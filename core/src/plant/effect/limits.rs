@@ -50,7 +50,7 @@ const fn hashes() -> [u32; KINDS] {
     let mut hashes = [0; KINDS];
     let mut kind = 0;
     while kind < KINDS {
-        hashes[kind] = crate::link::fnv1a(Kind::ALL[kind].name().as_bytes());
+        hashes[kind] = crate::fnv::fnv1a(Kind::ALL[kind].name().as_bytes());
         kind += 1;
     }
     hashes
@@ -105,7 +105,7 @@ mod tests {
             let definition = kind.definition();
             assert_eq!(*kind as usize, index);
             assert_eq!(Kind::from_name_hash(kind.name_hash()), Some(*kind));
-            assert_eq!(kind.name_hash(), crate::link::fnv1a(definition.name.as_bytes()));
+            assert_eq!(kind.name_hash(), crate::fnv::fnv1a(definition.name.as_bytes()));
             assert_eq!(kind.compensated(), definition.compensation.is_some());
             let limits = definition.parameters.iter().map(|parameter| [parameter.min as f32, parameter.max as f32]);
             assert!(limits.eq(kind.ranges().iter().copied()), "{}", definition.name);

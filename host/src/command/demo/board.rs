@@ -133,7 +133,7 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
         bench: &bench,
     };
     write(&page, &tracking::html(&story))?;
-    let row = |case: &crate::command::track::Case| Row {
+    let row = |case: &crate::control::tracking::Case| Row {
         name: case.name,
         title: case.title,
         rms: case.tracked.rms(),

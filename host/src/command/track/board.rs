@@ -2,12 +2,12 @@
 
 use anyhow::Context;
 
-use super::{Args, Case, Course, Followed, OnBoard};
+use super::{Args, Course, Followed};
 use crate::command::output::Output;
 use crate::command::progress;
 use crate::control::design::{Design, Request};
 use crate::control::reference::Reference;
-use crate::control::tracking::Bench;
+use crate::control::tracking::{Bench, Case, OnBoard};
 use crate::device::experiment::{Runner, TrackRun, adaptive, pid};
 use crate::device::model::to_wire;
 use crate::interrupt::{FinishFirst, finish_first};
