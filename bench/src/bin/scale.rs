@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use breakaway::recording::Units;
-use breakaway::report::figure::{Figure, Ink, Series, Strip, stack};
+use breakaway::report::figure::{Figure, Ink, Series, Strip, stack_over};
 use breakaway::simulate::axis::Axis;
 use breakaway::simulate::experiment::{Excitation, Experiment, Sensor};
 use breakaway_core::plant::{Base, Effect, Kind};
@@ -52,8 +52,8 @@ fn main() -> Result<()> {
     let counts = COUNTS.iter().map(|count| point(program, &folder, *count as f64, &vec![EACH_S; *count]));
     let counts: Vec<Point> = counts.collect::<Result<_>>()?;
     let figures = [
-        ("scale-length", figure("From ten seconds to an hour", "length of the recording, s", &lengths)),
-        ("scale-count", figure("From 1 to 64 recordings", "recordings of 10 s", &counts)),
+        ("scale-length", figure("From ten seconds to an hour", ("length of the recording", "s"), &lengths)),
+        ("scale-count", figure("From 1 to 64 recordings", ("recordings of 10 s", ""), &counts)),
     ];
     for (name, figure) in &figures {
         fs::write(docs.join(format!("images/{name}.svg")), figure.file())?;
@@ -125,7 +125,7 @@ fn high_water_mb(status: &Path) -> Option<f64> {
     line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kb| kb / 1024.0)
 }
 
-fn figure(title: &str, along: &str, points: &[Point]) -> Figure {
+fn figure(title: &str, along: (&'static str, &'static str), points: &[Point]) -> Figure {
     let column = |value: fn(&Point) -> f64| points.iter().map(value).collect::<Vec<f64>>();
     let x = column(|p| p.x);
     let (identify, discover) = (column(|p| p.identify.seconds), column(|p| p.discover.seconds));
@@ -142,7 +142,7 @@ fn figure(title: &str, along: &str, points: &[Point]) -> Figure {
         held: false,
     };
     let strips = [strip("time", "s", &discover, &identify), strip("memory", "MB", &discover_mb, &identify_mb)];
-    Figure::new(title, format!("Time and peak memory along: {along}."), |width| stack(width, &x, &strips))
+    Figure::new(title, "Time and peak memory.", |width| stack_over(width, along, &x, &strips))
 }
 
 fn page(lengths: &[Point], counts: &[Point]) -> String {
@@ -151,7 +151,7 @@ fn page(lengths: &[Point], counts: &[Point]) -> String {
 
 Written by `cargo xtask bench --scale`: multisine recordings at 1 kHz of the papers' plant with Stribeck friction, from CSV files, every
 point a process of its own. Discovery simulates at most 120 segments to fit and 80 to score, taken evenly over the session, and says so in its
-report: beyond a minute of data its time grows with reading and smoothing alone.
+report: beyond some minutes of data its time grows with reading and smoothing alone.
 
 ## One recording
 

@@ -17,7 +17,7 @@ pub use ladder::{Step, ladder};
 pub use loops::{Loop, loops};
 pub use scale::Scale;
 pub use sheet::Sheet;
-pub use stack::{Series, Strip, stack};
+pub use stack::{Series, Strip, stack, stack_over};
 pub use style::{DARK, FIGURES, LIGHT};
 
 /// Width of a drawing for a page, pixels.

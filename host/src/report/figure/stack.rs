@@ -39,6 +39,11 @@ pub struct Strip<'a> {
 
 /// Draws strips over the time `t` (s).
 pub fn stack(width: f64, t: &[f64], strips: &[Strip<'_>]) -> Sheet {
+    stack_over(width, ("time", "s"), t, strips)
+}
+
+/// Draws strips over `t`, which is the quantity and unit of `x_axis`.
+pub fn stack_over(width: f64, x_axis: (&str, &str), t: &[f64], strips: &[Strip<'_>]) -> Sheet {
     let mut entries: Vec<Entry<'_>> = Vec::new();
     for series in strips.iter().flat_map(|strip| &strip.series) {
         if !entries.iter().any(|entry| entry.label == series.label) {
@@ -58,7 +63,7 @@ pub fn stack(width: f64, t: &[f64], strips: &[Strip<'_>]) -> Sheet {
         let values = strip.series.iter().flat_map(|series| series.y.iter().copied());
         let y = Scale::over(values.chain(strip.band.iter().flat_map(|s| [-*s, *s])), 0.07);
         let panel = Panel { left, top, width: inner, height: strip.height, x, y };
-        panel.x_axis(&mut sheet, "time", "s", i + 1 == strips.len());
+        panel.x_axis(&mut sheet, x_axis.0, x_axis.1, i + 1 == strips.len());
         panel.y_axis(&mut sheet, strip.quantity, strip.unit);
         panel.inside(&mut sheet, |sheet| {
             if let Some(sigma) = strip.band {
