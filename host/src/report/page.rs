@@ -67,7 +67,7 @@ code.hash{overflow-wrap:anywhere;color:var(--muted)}
 .note{color:var(--muted);font-size:15px}
 .narrow{display:none}
 @media (max-width:640px){main{padding:18px 16px 40px}h1{font-size:22px}.wide{display:none}.narrow{display:block}dl.facts{gap:10px 22px}table{font-size:14px}th,td{padding-right:10px}th.n{white-space:normal}td:first-child{min-width:6.5em}td.w{min-width:11em}}
-@media print{body{font-size:11pt}main{max-width:none;padding:0}.wide{display:block}.narrow{display:none}figure,table,pre{break-inside:avoid}h2,h3{break-after:avoid}h2{margin-top:26px}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
+@media print{body{font-size:11pt}main{max-width:none;padding:0}.wide{display:block}.narrow{display:none}figure,table,pre{break-inside:avoid}pre{white-space:pre-wrap;overflow-wrap:anywhere}h2,h3{break-after:avoid}h2{margin-top:26px}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 ";
 
 impl Page {
