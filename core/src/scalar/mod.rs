@@ -4,8 +4,10 @@
 pub mod fast;
 mod fixed_point;
 mod float;
+mod solver;
 
 pub use fixed_point::Q32;
+pub use solver::{DoubleWord, ExactSum, SolverReal};
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
