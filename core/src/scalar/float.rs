@@ -14,6 +14,12 @@ macro_rules! float {
             fn to_f64(self) -> f64 {
                 f64::from(self)
             }
+            fn from_u32(value: u32) -> Self {
+                value as Self
+            }
+            fn to_u32(self) -> u32 {
+                self as u32
+            }
             fn is_finite(self) -> bool {
                 <$type>::is_finite(self)
             }

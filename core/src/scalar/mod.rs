@@ -42,6 +42,11 @@ pub trait Real:
     fn from_f64(value: f64) -> Self;
     /// The value as f64 (exact for f32 and f64).
     fn to_f64(self) -> f64;
+    /// Nearest representable value of an integer; saturates.
+    #[must_use]
+    fn from_u32(value: u32) -> Self;
+    /// Rounded down to an integer; 0 below 0 and for NaN, saturates.
+    fn to_u32(self) -> u32;
     /// False for NaN and infinities; always true in fixed point.
     fn is_finite(self) -> bool;
     /// Absolute value.
