@@ -1,4 +1,5 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `loops`, `fleet-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `bench`, `blind`, `loops`, `soak`,
+//! `fleet-test`.
 
 mod bench;
 mod budget;
@@ -12,6 +13,7 @@ mod loops;
 mod report;
 mod run;
 mod setup;
+mod soak;
 
 use std::process::ExitCode;
 
@@ -56,6 +58,15 @@ enum Task {
     },
     /// Close the loop on the virtual board for every effect of docs/control.md, and print its table
     Loops,
+    /// Stream from the virtual board over a link with noise: nothing may be lost but the frames that were hit
+    Soak {
+        /// How long, in real time
+        #[arg(long, default_value_t = 30.0)]
+        minutes: f64,
+        /// Of a million bytes so many are flipped, lost or have garbage before them, either way
+        #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+        noise: u32,
+    },
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -70,6 +81,7 @@ fn main() -> ExitCode {
         Task::Bench { peers: false, .. } => bench::all(),
         Task::Bench { peers: true, only } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
+        Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),
     };

@@ -44,9 +44,13 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// Nearest representable value of an integer; saturates.
     #[must_use]
-    fn from_u32(value: u32) -> Self;
+    fn from_u32(value: u32) -> Self {
+        Self::from_f64(f64::from(value))
+    }
     /// Rounded down to an integer; 0 below 0 and for NaN, saturates.
-    fn to_u32(self) -> u32;
+    fn to_u32(self) -> u32 {
+        self.to_f64() as u32
+    }
     /// False for NaN and infinities; always true in fixed point.
     fn is_finite(self) -> bool;
     /// Absolute value.

@@ -279,7 +279,7 @@ impl<'a, R: SolverReal> Problem<'a, R> {
             let weighted = |left: &Column<R>, right: &Column<R>| bilinear::<R>(&part.phase.gram, left, right).times(weight);
             for (i, column) in columns.iter().enumerate() {
                 let instrument = !(part.quadrature && i == SIGN);
-                let mut add = |all: &mut R::Sum, instruments: &mut R::Sum, other: &Column<R>| {
+                let add = |all: &mut R::Sum, instruments: &mut R::Sum, other: &Column<R>| {
                     let product = weighted(column, other);
                     *all = all.plus(product);
                     if instrument {

@@ -39,19 +39,6 @@ impl<R: SolverReal, const N: usize> Normal<R, N> {
         self.rows += 1;
     }
 
-    /// vᵀGv = Σ(row·v)².
-    pub(super) fn square(&self, v: &[R; N]) -> R {
-        let mut sum = R::ZERO;
-        for i in 0..N {
-            let mut line = self.gram[i][i].scale(0.5) * v[i];
-            for j in 0..i {
-                line += self.gram[i][j] * v[j];
-            }
-            sum += v[i].scale(2.0) * line;
-        }
-        sum
-    }
-
     /// None if the columns are linearly dependent.
     pub(super) fn factor(&self) -> Option<Factor<R, N>> {
         if self.rows < N {
