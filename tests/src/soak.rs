@@ -10,9 +10,7 @@ use breakaway::command::virtual_board::settings;
 use breakaway::device::stream::{Row, Stream, Totals};
 use breakaway::device::virtual_board::{Fault, Machine, Options, Seen, Traffic, VirtualBoard};
 use breakaway::device::{Client, DeviceError};
-use breakaway_core::link::{
-    BAUD, Bounds, Command, FULL_SCALE_CODE, Message, Mode, Reference, Relay, Status,
-};
+use breakaway_core::link::{BAUD, Bounds, Command, FULL_SCALE_CODE, Message, Mode, Reference, Relay, Status};
 
 /// Ticks per second, and of real time.
 const TICK_HZ: u32 = 1000;

@@ -191,7 +191,7 @@ impl<R: Fast> DriftWatch<R> {
         if !positive(smallest_scale) {
             return Err(DriftError::Scale);
         }
-        let pole = (-bandwidth_rad_s * tick_s).exp();
+        let pole = (-bandwidth_rad_s * tick_s).exp_negative();
         let l2 = (F::ONE - pole) * (F::ONE - pole);
         let ticks = |time_constants: f64| {
             let exact = F::from_f64(time_constants) / (bandwidth_rad_s * tick_s);

@@ -198,10 +198,7 @@ impl<R: Real> LimitCycleDetector<R> {
                 settings.tolerance >= R::from_f64(1e-5) && settings.tolerance <= R::from_f64(0.2),
                 DetectorError::Tolerance,
             ),
-            (
-                samples >= R::from_f64(16.0) && samples < R::from_f64(2_147_483_648.0),
-                DetectorError::Timeout,
-            ),
+            (samples >= R::from_f64(16.0) && samples < R::from_f64(2_147_483_648.0), DetectorError::Timeout),
             (settings.max_error > R::ZERO, DetectorError::MaxError),
         ];
         for (good, error) in checks {
@@ -306,7 +303,8 @@ impl<R: Real> LimitCycleDetector<R> {
         let settings = &self.settings;
         let floor = R::from_f64(0.1);
         let ceiling = R::from_f64(0.95);
-        let rho = |f1: R| (R::from_f64(-2.0) * (settings.h2 - f1) / settings.h1).exp();
+        // A known f1 is below h2 here: the exponent is negative.
+        let rho = |f1: R| (R::from_f64(-2.0) * (settings.h2 - f1) / settings.h1).exp_negative();
         let value = match settings.f1 {
             Some(f1) => rho(f1),
             // Below the tolerance the changes are noise, and their ratio says nothing.

@@ -131,6 +131,9 @@ mod tests {
         assert_eq!(phase_step(1e11), None);
         assert_eq!(phase_step(f64::NAN), None);
         // In f32 as well, to its digits.
-        assert_eq!((phase_step(1e5_f32), phase_step(2.0_f32), phase_step(1.9_f32)), (Some(42_950), Some(1 << 31), None));
+        assert_eq!(
+            (phase_step(1e5_f32), phase_step(2.0_f32), phase_step(1.9_f32)),
+            (Some(42_950), Some(1 << 31), None)
+        );
     }
 }

@@ -68,6 +68,11 @@ pub trait Real:
     /// e to the power of self.
     #[must_use]
     fn exp(self) -> Self;
+    /// e^self for self ≤ 0; 0 below −80. In f32 without libm: 2e-7 relative (tested in control/fast.rs).
+    #[must_use]
+    fn exp_negative(self) -> Self {
+        if self > Self::from_f64(-80.0) { self.exp() } else { Self::ZERO }
+    }
     /// Natural logarithm; the most negative value for input ≤ 0.
     #[must_use]
     fn ln(self) -> Self;

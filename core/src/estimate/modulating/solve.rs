@@ -276,7 +276,8 @@ impl<'a, R: SolverReal> Problem<'a, R> {
         };
         self.parts(&mut |part| {
             let weight = round.weight(part);
-            let weighted = |left: &Column<R>, right: &Column<R>| bilinear::<R>(&part.phase.gram, left, right).times(weight);
+            let weighted =
+                |left: &Column<R>, right: &Column<R>| bilinear::<R>(&part.phase.gram, left, right).times(weight);
             for (i, column) in columns.iter().enumerate() {
                 let instrument = !(part.quadrature && i == SIGN);
                 let add = |all: &mut R::Sum, instruments: &mut R::Sum, other: &Column<R>| {
@@ -308,8 +309,7 @@ impl<'a, R: SolverReal> Problem<'a, R> {
             Err(SolveError::NotFinite) => return Err(Refusal::NotFinite),
             Err(SolveError::Undetermined { parameter }) => return Err(self.name(parameter)),
         };
-        let inverse =
-            invert(rounded(&sums.instrument)).ok_or_else(|| self.name(least_squares.weakest_parameter))?;
+        let inverse = invert(rounded(&sums.instrument)).ok_or_else(|| self.name(least_squares.weakest_parameter))?;
         // What the inverse's rounding leaves is solved for again (iterative refinement): the sums' digits count.
         let mut parameters = [R::ZERO; N];
         for _ in 0..REFINEMENTS {
@@ -391,8 +391,7 @@ impl<'a, R: SolverReal> Problem<'a, R> {
             let weight = round.weight(part);
             let own = residual(&part.phase.gram, &parameters);
             let next = residual_form(&part.phase.lag, &parameters);
-            let correlation =
-                if own > R::ZERO { (next / own).max(R::ZERO).min(R::from_f64(0.5)) } else { R::ZERO };
+            let correlation = if own > R::ZERO { (next / own).max(R::ZERO).min(R::from_f64(0.5)) } else { R::ZERO };
             let factor = weight * weight * own / part.rows * (rows / spare);
             for (i, (line, left)) in meat.iter_mut().zip(&columns).enumerate() {
                 for (j, (entry, right)) in line.iter_mut().zip(&columns).enumerate() {

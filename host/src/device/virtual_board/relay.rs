@@ -40,10 +40,7 @@ impl Traffic {
     /// What has come since `before`.
     #[must_use]
     pub fn since(&self, before: Self) -> Self {
-        Self {
-            from_board: self.from_board.since(before.from_board),
-            to_board: self.to_board.since(before.to_board),
-        }
+        Self { from_board: self.from_board.since(before.from_board), to_board: self.to_board.since(before.to_board) }
     }
 }
 

@@ -59,7 +59,11 @@ impl Noise {
         for &byte in bytes {
             self.counts.bytes += 1;
             let hit = ppm > 0 && self.random.random_range(0..1_000_000) < ppm;
-            if hit { self.damage(byte, out) } else { out.push(byte) }
+            if hit {
+                self.damage(byte, out)
+            } else {
+                out.push(byte)
+            }
             self.hit |= hit;
             if byte != 0 {
                 self.length += 1;
