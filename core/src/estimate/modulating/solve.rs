@@ -343,7 +343,8 @@ impl<'a, R: SolverReal> Problem<'a, R> {
         for (index, &gram) in outcome.gram.iter().enumerate() {
             let share = estimate.covariance[index][index] * (gram / outcome.square);
             // Written so that NaN is refused too.
-            if !(share < R::from_f64(LARGEST_SHARE_ERROR * LARGEST_SHARE_ERROR)) {
+            let small = share < R::from_f64(LARGEST_SHARE_ERROR * LARGEST_SHARE_ERROR);
+            if !small {
                 return Err(self.name(index));
             }
         }
