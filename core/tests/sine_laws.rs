@@ -107,8 +107,8 @@ proptest! {
     }
 
     /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32 and to a
-    /// thousandth of the standard errors; with 60 dB of noise instead of harmonics, whose power is 1e-6 of the signal's and
-    /// close to the rounding of the sums, the standard errors are good to a tenth.
+    /// thousandth of the standard errors. With 50 dB of noise instead of harmonics the noise's power is 1e-5 of the signal's, of
+    /// which the sums' rounding (2^-24 each of 32 blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the errors.
     #[test]
     fn solved_in_f32_as_in_f64(
         period in 60_u32..1_500,
@@ -125,7 +125,7 @@ proptest! {
         );
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (mut a, mut b) = (BlockSums::<i32>::new(), BlockSums::<i32>::new());
-        let (amplitude, noise) = (20_000.0, if harmonics > 0.0 { 1.0 } else { 20.0 });
+        let (amplitude, noise) = (20_000.0, if harmonics > 0.0 { 1.0 } else { 63.2 });
         for k in 0..(cycles * f64::from(period)) as u32 {
             let angle = TAU * f64::from(k) / f64::from(period) * (1.0 + off) + phase;
             let normal: f64 = StandardNormal.sample(&mut rng);
@@ -134,7 +134,7 @@ proptest! {
             narrow.push(&mut b, y.round() as i32 + offset);
         }
         let (truth, fit) = (wide.fit(&a).unwrap(), narrow.fit(&b).unwrap());
-        let errors = if harmonics > 0.0 { 1e-3 } else { 0.1 };
+        let errors = if harmonics > 0.0 { 1e-3 } else { 0.02 };
         for (name, got, se_got, value, se) in [
             ("amplitude", fit.amplitude, fit.se.amplitude, truth.amplitude, truth.se.amplitude),
             ("omega", fit.omega_rad_s, fit.se.omega_rad_s, truth.omega_rad_s, truth.se.omega_rad_s),
