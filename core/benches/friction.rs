@@ -7,7 +7,7 @@ mod support;
 use breakaway_core::estimate::describing_function::{CycleFit, describing_function};
 use breakaway_core::estimate::modulating::{Modulating, estimate};
 use breakaway_core::estimate::papers::{RelayExperiment, equation_17, memo_listing};
-use breakaway_core::scalar::Real;
+use breakaway_core::scalar::SolverReal;
 use std::f64::consts::TAU;
 use std::time::Instant;
 use support::{Cycle, REFERENCE, Record, Sensor, experiment};
@@ -83,7 +83,7 @@ fn estimators(records: &[Record]) -> Vec<(String, [f64; 3])> {
     rows
 }
 
-fn configuration<R: Real>(period: f64, width: f64) -> Modulating<R> {
+fn configuration<R: SolverReal>(period: f64, width: f64) -> Modulating<R> {
     let window = (2.0 * period / TS).round() as u32;
     let half_width = (width * period / TS).round() as usize;
     Modulating::new(R::from_f64(TS), window, half_width, [2], R::ZERO).unwrap()
@@ -125,7 +125,7 @@ fn fundamental(record: &Record, cycle: Cycle) -> CycleFit<f64> {
     CycleFit { h1: cycle.h1, h2: cycle.h2, a: re.hypot(im), omega, a_error: 0.0, omega_error: 0.0 }
 }
 
-fn throughput<R: Real>(name: &str) {
+fn throughput<R: SolverReal>(name: &str) {
     let record = experiment(REFERENCE, CYCLES[0], 20.0, Sensor { q: 1e-3, sigma: 1e-3 }, 1);
     let samples: Vec<(R, R)> =
         record.x.iter().zip(&record.u).map(|(&x, &u)| (R::from_f64(x), R::from_f64(u))).collect();

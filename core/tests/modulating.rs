@@ -3,9 +3,9 @@
 mod support;
 
 use breakaway_core::estimate::modulating::{
-    BaseEstimate, Modulating, ModulatingError, ModulatingState, Parameter, Refusal, estimate,
+    BaseEstimate, Block, Modulating, ModulatingError, ModulatingState, Parameter, Refusal, estimate,
 };
-use breakaway_core::scalar::Real;
+use breakaway_core::scalar::SolverReal;
 use proptest::prelude::*;
 use support::{Cycle, Plant, REFERENCE, Record, Sensor, experiment};
 
@@ -16,7 +16,7 @@ const PERFECT: Sensor = Sensor { q: 0.0, sigma: 0.0 };
 /// Half-width of the sign's central difference over the period: the larger of the recommended range, for noise.
 const WIDTH: f64 = 0.02;
 
-fn feed<R: Real>(record: &Record, period: f64, width: f64) -> ModulatingState<R> {
+fn feed<R: SolverReal>(record: &Record, period: f64, width: f64) -> ModulatingState<R> {
     let window = (2.0 * period / 1e-3).round() as u32;
     let half_width = ((width * period / 1e-3).round() as usize).max(2);
     let estimator = Modulating::<R>::new(R::from_f64(1e-3), window, half_width, [2], R::ZERO).unwrap();
@@ -27,7 +27,7 @@ fn feed<R: Real>(record: &Record, period: f64, width: f64) -> ModulatingState<R>
     state
 }
 
-fn pair<R: Real>(records: &[Record; 2], width: f64) -> Result<BaseEstimate, Refusal> {
+fn pair<R: SolverReal>(records: &[Record; 2], width: f64) -> Result<BaseEstimate<R>, Refusal> {
     let a = feed::<R>(&records[0], FIRST.period, width);
     let b = feed::<R>(&records[1], SECOND.period, width);
     estimate(&[a.blocks(), b.blocks()])
@@ -37,11 +37,11 @@ fn records(cycles: f64, sensor: Sensor, seed: u64) -> [Record; 2] {
     [experiment(REFERENCE, FIRST, cycles, sensor, seed), experiment(REFERENCE, SECOND, cycles, sensor, seed + 1000)]
 }
 
-fn relative(estimate: &BaseEstimate) -> [f64; 3] {
-    [estimate.b / 0.02685 - 1.0, estimate.c / 0.11 - 1.0, estimate.f1 / 0.5 - 1.0]
+fn relative<R: SolverReal>(estimate: &BaseEstimate<R>) -> [f64; 3] {
+    [estimate.b.to_f64() / 0.02685 - 1.0, estimate.c.to_f64() / 0.11 - 1.0, estimate.f1.to_f64() / 0.5 - 1.0]
 }
 
-fn assert_within(estimate: &BaseEstimate, limits: [f64; 3]) {
+fn assert_within<R: SolverReal>(estimate: &BaseEstimate<R>, limits: [f64; 3]) {
     for (error, limit) in relative(estimate).iter().zip(limits) {
         assert!(error.abs() < limit, "{estimate:?}");
     }
@@ -147,7 +147,7 @@ fn refusals_name_what_is_missing() {
     assert_eq!(single(time().take(400).map(|t| (t, t))), Err(Refusal::TooShort));
     assert_eq!(single(time().map(|t| (1.0, (20.0 * t).sin()))), Err(Refusal::NoMotion));
     assert_eq!(single(time().map(|t| (f64::NAN, t))), Err(Refusal::NotFinite));
-    assert_eq!(estimate(&[]), Err(Refusal::TooShort));
+    assert_eq!(estimate::<f64>(&[]), Err(Refusal::TooShort));
     // Forward only, with a swinging speed.
     let forward = single(time().map(|t| (3.0 * t + 0.1 * (25.0 * t).sin() + 0.05 * (7.0 * t).cos(), (25.0 * t).cos())));
     assert_eq!(forward, Err(Refusal::OneDirection));
@@ -241,10 +241,42 @@ proptest! {
         }
     }
 
+    /// Solved in f32, sums in f32 lose nothing that solving them in f64 would keep: parameters to 1e-6, errors to 1e-3.
+    #[test]
+    fn single_precision_solves_its_sums_to_its_last_digits(seed in 0_u64..50) {
+        let records = records(20.0, FINE, seed);
+        let states = [feed::<f32>(&records[0], FIRST.period, WIDTH), feed::<f32>(&records[1], SECOND.period, WIDTH)];
+        let single = estimate(&[states[0].blocks(), states[1].blocks()]).unwrap();
+        let wide = states.each_ref().map(|state| state.blocks().map(Block::<f64>::from));
+        let double = estimate(&[&wide[0], &wide[1]]).unwrap();
+        for (a, b) in [(single.b, double.b), (single.c, double.c), (single.f1, double.f1)] {
+            prop_assert!((f64::from(a) / b - 1.0).abs() < 1e-6, "{a} {b}");
+        }
+        for (a, b) in single.standard_errors.iter().zip(double.standard_errors).take(3) {
+            prop_assert!((f64::from(*a) / b - 1.0).abs() < 1e-3, "{a} {b}");
+        }
+        prop_assert!((f64::from(single.residual) / double.residual - 1.0).abs() < 1e-3);
+        prop_assert!((f64::from(single.condition) / double.condition - 1.0).abs() < 1e-3);
+    }
+
     /// Whatever is fed: no panic, and a result is finite.
     #[test]
     fn any_input(samples in prop::collection::vec((any::<f64>(), any::<f64>()), 0..400), window in 0_u32..70, half_width in 0_usize..6, multiple in 0_u32..9) {
         if let Ok(estimator) = Modulating::<f64, 2, 11>::new(1e-3, window, half_width, [multiple, 0], 0.0) {
+            let mut state = estimator.start();
+            for (x, u) in samples {
+                estimator.push(&mut state, x, u);
+            }
+            if let Ok(fit) = estimate(&[state.blocks()]) {
+                prop_assert!(fit.b.is_finite() && fit.c.is_finite() && fit.f1.is_finite());
+            }
+        }
+    }
+
+    /// The same in f32, whose sums overflow first.
+    #[test]
+    fn any_input_in_single_precision(samples in prop::collection::vec((any::<f32>(), any::<f32>()), 0..400), window in 16_u32..70) {
+        if let Ok(estimator) = Modulating::<f32, 1, 11>::new(1e-3, window, 2, [2], 0.0) {
             let mut state = estimator.start();
             for (x, u) in samples {
                 estimator.push(&mut state, x, u);

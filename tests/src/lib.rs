@@ -7,6 +7,8 @@ pub mod drift;
 pub mod fuzz;
 pub mod robustness;
 pub mod robustness_page;
+#[cfg(unix)]
+pub mod soak;
 use std::path::PathBuf;
 
 /// The folder of measured recordings: `BREAKAWAY_DATA`, or `../shared/data` beside the checkout.

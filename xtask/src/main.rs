@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
-//! `loops`, `fleet-test`.
+//! `loops`, `soak`, `fleet-test`.
 
 mod arrows;
 mod bench;
@@ -15,6 +15,7 @@ mod miri;
 mod report;
 mod run;
 mod setup;
+mod soak;
 
 use std::process::ExitCode;
 
@@ -71,6 +72,15 @@ enum Task {
     },
     /// Close the loop on the virtual board for every effect of docs/control.md, and print its table
     Loops,
+    /// Stream from the virtual board over a link with noise: nothing may be lost but the frames that were hit
+    Soak {
+        /// How long, in real time
+        #[arg(long, default_value_t = 30.0)]
+        minutes: f64,
+        /// Of a million bytes so many are flipped, lost or have garbage before them, either way
+        #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+        noise: u32,
+    },
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -88,6 +98,7 @@ fn main() -> ExitCode {
         Task::Bench { peers: false, .. } => bench::all(),
         Task::Bench { peers: true, only, .. } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
+        Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),
     };

@@ -191,10 +191,12 @@ impl<R: Fast> DriftWatch<R> {
         if !positive(smallest_scale) {
             return Err(DriftError::Scale);
         }
-        let pole = (-bandwidth_rad_s * tick_s).exp();
+        let pole = (-bandwidth_rad_s * tick_s).exp_negative();
         let l2 = (F::ONE - pole) * (F::ONE - pole);
         let ticks = |time_constants: f64| {
-            libm::ceil((F::from_f64(time_constants) / (bandwidth_rad_s * tick_s)).to_f64()).min(1e9) as u32
+            let exact = F::from_f64(time_constants) / (bandwidth_rad_s * tick_s);
+            let whole = exact.to_u32().min(1_000_000_000);
+            if F::from_u32(whole) < exact { whole + 1 } else { whole }
         };
         let block = ticks(3.0);
         let real = |value: F| R::from_f64(value.to_f64());
@@ -207,11 +209,11 @@ impl<R: Fast> DriftWatch<R> {
             l2: real(l2 / tick_s),
             force: real(base.b * l2 / (tick_s * tick_s)),
             block,
-            per_block: R::from_f64(1.0 / f64::from(block)),
+            per_block: R::ONE / R::from_u32(block),
             settle: ticks(5.0),
             rest_speed: real(rest_speed),
             calibration,
-            per_calibration: R::from_f64(1.0 / f64::from(calibration)),
+            per_calibration: R::ONE / R::from_u32(calibration),
             slack: real(slack),
             threshold: real(threshold),
             smallest_scale: real(smallest_scale),

@@ -25,9 +25,6 @@ pub trait Fast: Real {
     fn sin_cos_turns(self) -> (Self, Self) {
         (self.sin_turns(), (self + Self::ONE.scale(0.25)).sin_turns())
     }
-    /// e^self for self ≤ 0; 0 below −80.
-    #[must_use]
-    fn exp_negative(self) -> Self;
 }
 
 /// −½..½ of a turn: what is beyond the nearest whole one.
@@ -75,21 +72,6 @@ impl Fast for f32 {
         // cos x = sin(π/2 − |x|) is within the quarter already.
         (sine_of_quarter(folded(r)), sine_of_quarter(0.25 - r.abs()))
     }
-
-    fn exp_negative(self) -> Self {
-        if self > -80.0 {
-            // e^x = 2^k·e^r, |r| ≤ ln2/2; k ≥ −116, so 2^k is a normal number. Positive input is not used.
-            let t = self * core::f32::consts::LOG2_E;
-            let k = (t - 0.5) as i32;
-            let r = (t - k as Self) * core::f32::consts::LN_2;
-            let series = 1.0
-                + r * (1.0
-                    + r * (0.5 + r * (0.166_666_67 + r * (0.041_666_67 + r * (0.008_333_333 + r * 0.001_388_889)))));
-            series * Self::from_bits(((k.clamp(-126, 127) + 127) as u32) << 23)
-        } else {
-            0.0
-        }
-    }
 }
 
 impl Fast for f64 {
@@ -101,9 +83,6 @@ impl Fast for f64 {
     }
     fn sin_turns(self) -> Self {
         (core::f64::consts::TAU * (self - libm::round(self))).sin()
-    }
-    fn exp_negative(self) -> Self {
-        if self > -80.0 { self.exp() } else { 0.0 }
     }
 }
 
@@ -118,9 +97,6 @@ impl Fast for Q32 {
         // The fractional bits are the phase.
         let (sin, _) = nco::sin_cos(self.0.to_bits() as u32);
         Self(I32F32::from_bits(i64::from(sin) << 2))
-    }
-    fn exp_negative(self) -> Self {
-        self.exp()
     }
 }
 

@@ -50,7 +50,7 @@ impl<R: Fast> Term<R> {
         let p = effect.p;
         let real = |value: F| R::from_f64(value.to_f64());
         let turns = |radians: F| real(radians.scale(TURNS_PER_RADIAN));
-        let turn = |radians: F| R::from_f64(turn(radians.to_f64()));
+        let turn = |radians: F| real(turn(radians));
         Some(match effect.kind {
             Kind::ConstantLoad => Self::Linear { constant: real(p[0]), linear: R::ZERO },
             Kind::Spring => Self::Linear { constant: real(-p[0] * p[1]), linear: real(p[0]) },
@@ -166,7 +166,9 @@ impl<R: Fast> Term<R> {
 }
 
 /// A phase in turns, −½..½: what is left of a large one keeps its digits.
-fn turn(radians: f64) -> f64 {
-    let turns = radians * TURNS_PER_RADIAN;
-    turns - libm::round(turns)
+fn turn<F: Real>(radians: F) -> F {
+    let turns = radians.scale(TURNS_PER_RADIAN);
+    let size = turns.abs();
+    let rest = size - F::from_u32((size + F::from_f64(0.5)).to_u32());
+    if turns < F::ZERO { -rest } else { rest }
 }

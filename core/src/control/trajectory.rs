@@ -11,6 +11,7 @@ pub use samples::Samples;
 pub use sine::Sine;
 
 use super::fast::Fast;
+use crate::scalar::Real;
 
 /// What the axis should do at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,8 +45,8 @@ pub enum TrajectoryError {
     Empty,
 }
 
-fn check_tick(tick_s: f64) -> Result<(), TrajectoryError> {
-    if tick_s.is_finite() && tick_s > 0.0 { Ok(()) } else { Err(TrajectoryError::Tick) }
+fn check_tick<F: Real>(tick_s: F) -> Result<(), TrajectoryError> {
+    if tick_s.is_finite() && tick_s > F::ZERO { Ok(()) } else { Err(TrajectoryError::Tick) }
 }
 
 /// A reference of any kind, around the position at which it was started.

@@ -187,7 +187,7 @@ impl<R: Real> LimitCycleDetector<R> {
     pub fn new(settings: DetectorSettings<R>) -> Result<Self, DetectorError> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         let not_negative = |value: R| value.is_finite() && value >= R::ZERO;
-        let samples = settings.timeout_s.to_f64() / settings.ts.to_f64();
+        let samples = settings.timeout_s / settings.ts;
         let checks = [
             (positive(settings.ts), DetectorError::SamplePeriod),
             (positive(settings.h1), DetectorError::H1),
@@ -198,7 +198,7 @@ impl<R: Real> LimitCycleDetector<R> {
                 settings.tolerance >= R::from_f64(1e-5) && settings.tolerance <= R::from_f64(0.2),
                 DetectorError::Tolerance,
             ),
-            ((16.0..2_147_483_648.0).contains(&samples), DetectorError::Timeout),
+            (samples >= R::from_f64(16.0) && samples < R::from_f64(2_147_483_648.0), DetectorError::Timeout),
             (settings.max_error > R::ZERO, DetectorError::MaxError),
         ];
         for (good, error) in checks {
@@ -206,7 +206,7 @@ impl<R: Real> LimitCycleDetector<R> {
                 return Err(error);
             }
         }
-        Ok(Self { settings, timeout: samples as u32 })
+        Ok(Self { settings, timeout: samples.to_u32() })
     }
 
     /// A state before the first tick.
@@ -303,7 +303,8 @@ impl<R: Real> LimitCycleDetector<R> {
         let settings = &self.settings;
         let floor = R::from_f64(0.1);
         let ceiling = R::from_f64(0.95);
-        let rho = |f1: R| (R::from_f64(-2.0) * (settings.h2 - f1) / settings.h1).exp();
+        // A known f1 is below h2 here: the exponent is negative.
+        let rho = |f1: R| (R::from_f64(-2.0) * (settings.h2 - f1) / settings.h1).exp_negative();
         let value = match settings.f1 {
             Some(f1) => rho(f1),
             // Below the tolerance the changes are noise, and their ratio says nothing.
@@ -330,7 +331,7 @@ impl<R: Real> LimitCycleDetector<R> {
     fn watch(&self, state: &DetectorState<R>) -> Option<RelayOutcome<R>> {
         let quiet = state.tick.saturating_sub(state.moved_tick);
         // Rest longer than an eighth of the time given, and than five of the last periods.
-        let patience = (R::from_f64(5.0) * state.recent[0].period).to_f64() as u32;
+        let patience = (R::from_f64(5.0) * state.recent[0].period).to_u32();
         if quiet > (self.timeout / 8).max(patience) {
             return Some(if state.cycles == 0 && state.reach <= self.settings.hysteresis {
                 let reason = NoLimitCycleReason::DriveBelowBreakaway;

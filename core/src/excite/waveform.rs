@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::scalar::Real;
 use crate::scalar::nco::sin_cos;
 
 /// Points of a [`Shape::Table`]'s period; read with linear interpolation, so the 64th harmonic still has 8 of them.
@@ -71,9 +72,10 @@ impl Shape {
 /// Phase advance per tick, in units of 2⁻³² turn, of a period of `period_ticks` (≥ 2); `None` outside the range of the
 /// phase accumulator. For the host: it is not called in the tick.
 #[must_use]
-pub fn phase_step(period_ticks: f64) -> Option<u32> {
-    let step = libm::round(4_294_967_296.0 / period_ticks);
-    (1.0..=2_147_483_648.0).contains(&step).then_some(step as u32)
+pub fn phase_step<F: Real>(period_ticks: F) -> Option<u32> {
+    let step = F::from_f64(4_294_967_296.0) / period_ticks + F::from_f64(0.5);
+    // Written so that NaN is refused too.
+    (step >= F::ONE && step <= F::from_f64(2_147_483_648.75)).then_some(step.to_u32())
 }
 
 #[cfg(test)]
@@ -128,5 +130,10 @@ mod tests {
         assert_eq!(phase_step(1.9), None);
         assert_eq!(phase_step(1e11), None);
         assert_eq!(phase_step(f64::NAN), None);
+        // In f32 as well, to its digits.
+        assert_eq!(
+            (phase_step(1e5_f32), phase_step(2.0_f32), phase_step(1.9_f32)),
+            (Some(42_950), Some(1 << 31), None)
+        );
     }
 }

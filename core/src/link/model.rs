@@ -36,7 +36,7 @@ pub struct WireEffect {
 }
 
 /// The base equation and named effects, in the drive and position units of [`Info`](super::Info).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Model {
     /// Drive per acceleration, > 0.
     pub b: f32,
@@ -46,6 +46,16 @@ pub struct Model {
     pub f1: f32,
     /// Effects on top.
     pub effects: Vec<WireEffect, MAX_EFFECTS>,
+}
+
+impl Clone for Model {
+    // Out of line: it is half a KiB on a microcontroller.
+    #[inline(never)]
+    fn clone(&self) -> Self {
+        let parameters = |effect: &WireEffect| Vec::from_slice(&effect.parameters).unwrap_or_default();
+        let effects = self.effects.iter().map(|effect| WireEffect { id: effect.id, parameters: parameters(effect) });
+        Self { b: self.b, c: self.c, f1: self.f1, effects: effects.collect() }
+    }
 }
 
 impl Model {

@@ -124,6 +124,12 @@ impl Real for Q32 {
     fn to_f64(self) -> f64 {
         self.bits() as f64 / 4_294_967_296.0
     }
+    fn from_u32(value: u32) -> Self {
+        Self(I32F32::saturating_from_num(value))
+    }
+    fn to_u32(self) -> u32 {
+        (self.0.to_bits().max(0) >> BITS) as u32
+    }
     fn is_finite(self) -> bool {
         true
     }

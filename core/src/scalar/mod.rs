@@ -6,8 +6,10 @@ pub mod fast;
 mod fixed_point;
 mod float;
 pub mod nco;
+mod solver;
 
 pub use fixed_point::Q32;
+pub use solver::{DoubleWord, ExactSum, SolverReal};
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -42,6 +44,15 @@ pub trait Real:
     fn from_f64(value: f64) -> Self;
     /// The value as f64 (exact for f32 and f64).
     fn to_f64(self) -> f64;
+    /// Nearest representable value of an integer; saturates.
+    #[must_use]
+    fn from_u32(value: u32) -> Self {
+        Self::from_f64(f64::from(value))
+    }
+    /// Rounded down to an integer; 0 below 0 and for NaN, saturates.
+    fn to_u32(self) -> u32 {
+        self.to_f64() as u32
+    }
     /// False for NaN and infinities; always true in fixed point.
     fn is_finite(self) -> bool;
     /// Absolute value.
@@ -59,6 +70,11 @@ pub trait Real:
     /// e to the power of self.
     #[must_use]
     fn exp(self) -> Self;
+    /// e^self for self ≤ 0; 0 below −80. In f32 without libm: 2e-7 relative (tested in control/fast.rs).
+    #[must_use]
+    fn exp_negative(self) -> Self {
+        if self > Self::from_f64(-80.0) { self.exp() } else { Self::ZERO }
+    }
     /// Natural logarithm; the most negative value for input ≤ 0.
     #[must_use]
     fn ln(self) -> Self;

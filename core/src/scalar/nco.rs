@@ -120,6 +120,14 @@ impl Nco {
         Ok(Self { word })
     }
 
+    /// An oscillator with a period of `samples` samples (at least 3), rounded as by [`Nco::new`].
+    pub(crate) const fn of_period(samples: u32) -> Self {
+        let samples = if samples < 3 { 3 } else { samples };
+        // 2³² is one more than the largest u32: its quotient differs only where the period divides it.
+        let (whole, rest) = (u32::MAX / samples, u32::MAX % samples + 1);
+        Self { word: if 2 * rest as u64 >= samples as u64 { whole + 1 } else { whole } }
+    }
+
     /// Phase advance per sample, in units of 2⁻³² turn.
     pub const fn word(&self) -> u32 {
         self.word
@@ -177,6 +185,14 @@ mod tests {
             nco.step(&mut phase);
         }
         assert_eq!(phase, nco.word().wrapping_mul(2_000_000));
+    }
+
+    #[test]
+    fn a_period_in_samples_is_the_nearest_word() {
+        for samples in (3..100_000).chain([1 << 16, 1 << 20, u32::MAX]) {
+            let word = (4_294_967_296.0 / f64::from(samples)).round() as u32;
+            assert_eq!(Nco::of_period(samples).word(), word, "{samples}");
+        }
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
 
+/// The streaming sine fit of a board, solved in the FPU's numbers.
+pub type SineConfig = StreamingSine<f32>;
 /// Sums of the streaming sine fit over encoder counts.
 pub type Sums = BlockSums<i32, 32>;
 
@@ -10,7 +12,7 @@ pub type Sums = BlockSums<i32, 32>;
 #[derive(Debug)]
 pub struct Accumulation<'a> {
     /// The oscillator.
-    pub config: StreamingSine,
+    pub config: SineConfig,
     /// The sums.
     pub sums: &'a mut Sums,
     /// First tick in the sums.

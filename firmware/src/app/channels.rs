@@ -2,11 +2,10 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use breakaway_core::estimate::sine::StreamingSine;
 use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultRecord, Sample, WaveformPart};
 use heapless_spsc::spsc::{Consumer, Producer, Queue};
 
-use super::accumulate::{Accumulation, Sums};
+use super::accumulate::{Accumulation, SineConfig, Sums};
 use super::guard::Guards;
 use super::run::RunOrder;
 
@@ -36,7 +35,7 @@ pub enum Order<'a> {
     /// Latch a fault that the thread has found.
     Fault(FaultRecord),
     /// Sum the run's samples from the next tick on, until [`Order::Collect`] or the end of the run.
-    Accumulate(StreamingSine, &'a mut Sums),
+    Accumulate(SineConfig, &'a mut Sums),
     /// Give the sums back.
     Collect,
 }

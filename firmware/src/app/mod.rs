@@ -22,7 +22,7 @@ mod thread;
 mod tick;
 mod track;
 
-pub use accumulate::{Accumulation, Sums};
+pub use accumulate::{Accumulation, SineConfig, Sums};
 pub use channels::{AppEnd, Channels, Order, SAMPLE_QUEUE, TickEnd, TickEvent};
 pub use control::{ControlInput, Controller, NoController};
 pub use excite::Excitation;

@@ -84,7 +84,16 @@ impl<F: NorFlash> FlashStore<F> {
 
     fn item<T: DeserializeOwned>(&mut self, key: u8, generation: Option<u32>) -> Result<T, Lost> {
         let mut buffer = [0; ITEM];
-        let found = wait(self.map.fetch_item::<&[u8]>(&mut buffer, &key));
+        match postcard::take_from_bytes(self.fetch(&mut buffer, key, generation)?) {
+            Ok((value, [])) => Ok(value),
+            _ => Err(Lost(-1)),
+        }
+    }
+
+    /// What is stored under a key, behind its head. One copy for all types.
+    #[inline(never)]
+    fn fetch<'b>(&mut self, buffer: &'b mut [u8; ITEM], key: u8, generation: Option<u32>) -> Result<&'b [u8], Lost> {
+        let found = wait(self.map.fetch_item::<&[u8]>(buffer, &key));
         let Ok(Some(bytes)) = found else {
             return Err(Lost(-1));
         };
@@ -98,19 +107,23 @@ impl<F: NorFlash> FlashStore<F> {
         if generation.is_some_and(|wanted| wanted != u32::from_le_bytes([*g0, *g1, *g2, *g3])) {
             return Err(Lost(-1));
         }
-        match postcard::take_from_bytes(content) {
-            Ok((value, [])) => Ok(value),
-            _ => Err(Lost(-1)),
-        }
+        Ok(content)
     }
 
     fn put<T: Serialize>(&mut self, key: u8, value: &T, generation: u32) -> Result<(), StoreError> {
         let mut item = [0; ITEM];
-        let (head, content) = item.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
+        let (_, content) = item.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
+        let used = HEAD + postcard::to_slice(value, content).map_err(|_| StoreError)?.len();
+        self.store(key, &mut item, used, generation)
+    }
+
+    /// Writes the head, and the item of `used` bytes.
+    #[inline(never)]
+    fn store(&mut self, key: u8, item: &mut [u8; ITEM], used: usize, generation: u32) -> Result<(), StoreError> {
+        let (head, _) = item.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
         let [v0, v1] = VERSION.to_le_bytes();
         let [g0, g1, g2, g3] = generation.to_le_bytes();
         *head = [v0, v1, g0, g1, g2, g3];
-        let used = HEAD + postcard::to_slice(value, content).map_err(|_| StoreError)?.len();
         let bytes = item.get(..used).ok_or(StoreError)?;
         let mut buffer = [0; ITEM + 16];
         wait(self.map.store_item(&mut buffer, &key, &bytes)).map_err(|_| StoreError)

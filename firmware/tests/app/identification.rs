@@ -1,6 +1,6 @@
 //! On-board identification.
 
-use breakaway_core::estimate::modulating::{Modulating, estimate};
+use breakaway_core::estimate::modulating::{Block, Modulating, estimate};
 use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
 use breakaway_core::link::{Command, CommandError, Ending, Mode, Reply, Sample, Verdict};
 
@@ -37,7 +37,8 @@ fn the_board_finds_the_plant_by_itself() {
     }
 }
 
-/// The same estimator, run by the host in f64 and f32 over the samples that came down the link.
+/// The same estimator, run by the host over the samples that came down the link: it sums them in f32 as the board does and
+/// solves in f64, where the board solves in f32.
 #[test]
 fn host_and_board_agree_on_the_same_samples() {
     let mut bench = Bench::new();
@@ -71,7 +72,7 @@ fn host_and_board_agree_on_the_same_samples() {
             let u = f32::from(sample.drive_code) * (FULL_SCALE as f32 / f32::from(i16::MAX));
             form.push(&mut state, (sample.count - run[0].count) as f32 * STEP as f32, u);
         }
-        blocks.push(*state.blocks());
+        blocks.push(state.blocks().map(Block::<f64>::from));
         // The sine fit starts where the period keeps within 2 %; the next tick is the first to sum.
         let lengths: Vec<f32> = crossings.windows(2).map(|pair| (pair[1] - pair[0]) as f32).collect();
         let steady = (2..lengths.len()).find(|k| (lengths[k - 1] - lengths[*k]).abs() <= 0.02 * lengths[*k]).unwrap();
@@ -85,7 +86,7 @@ fn host_and_board_agree_on_the_same_samples() {
     let slices: Vec<_> = blocks.iter().map(|block| &block[..]).collect();
     let host = estimate(&slices).unwrap();
     for (name, board, host) in [("b", found.b, host.b), ("c", found.c, host.c), ("f1", found.f1, host.f1)] {
-        // Both sum in f32; what is left is the rounding of the result on the wire.
+        // What is left is the rounding of the result on the wire.
         assert!((f64::from(board.value) / host - 1.0).abs() < 1e-6, "{name}: board {}, host {host}", board.value);
     }
     let (board, host) = (found.sine.expect("a sine fit"), host_sine.unwrap());

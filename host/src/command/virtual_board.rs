@@ -23,8 +23,8 @@ image). Without --plant the plant of the papers is taken. The board's settings s
 drive at full scale, units of the plant; with --flash they are kept as on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
-break=NUMBER, supply=MV, reset, garbage=BYTES, corrupt-flash (TICK 0, with --flash), healed. TICK counts from the
-start.
+break=NUMBER, supply=MV, reset, garbage=BYTES, host-gone, link-noise=PPM (bytes of a million, either way),
+corrupt-flash (TICK 0, with --flash), healed. TICK counts from the start.
 
 JSON: port, board, tick_hz; printed when the board is ready.")]
 pub struct Args {
@@ -111,6 +111,7 @@ impl Args {
             speed: self.speed,
             flash: self.flash.clone(),
             faults: self.inject.clone(),
+            cable: false,
         })
     }
 }

@@ -30,7 +30,7 @@ pub fn options(model: &Model) -> Options {
     let mut settings = settings(&machine, model, 40.0);
     // The client says something every 0.2 s of its own time; on a machine that is busy the board's runs ahead.
     settings.command_timeout_ms = 20_000;
-    Options { image: None, machine, settings, speed: 3.0, flash: None, faults: Vec::new() }
+    Options { image: None, machine, settings, speed: 3.0, flash: None, faults: Vec::new(), cable: false }
 }
 
 pub fn start(options: &Options) -> VirtualBoard {
@@ -83,12 +83,19 @@ impl Bench {
         let start = Instant::now();
         while !done(self) {
             assert!(start.elapsed() < Duration::from_secs(60), "{what}: not within a minute");
-            match self.client.receive(Duration::from_millis(20)).unwrap() {
-                Some(Message::Samples(batch)) => self.samples.extend(batch.samples().map(Result::unwrap)),
-                Some(Message::Event(event)) => self.events.push(event),
-                Some(Message::Reply { .. }) | None => {}
-            }
+            self.take(Duration::from_millis(20));
         }
+    }
+
+    /// Takes the next thing the board says, if it says something within `timeout`; whether it did.
+    pub fn take(&mut self, timeout: Duration) -> bool {
+        match self.client.receive(timeout).unwrap() {
+            Some(Message::Samples(batch)) => self.samples.extend(batch.samples().map(Result::unwrap)),
+            Some(Message::Event(event)) => self.events.push(event),
+            Some(Message::Reply { .. }) => {}
+            None => return false,
+        }
+        true
     }
 
     pub fn ended(&self) -> Option<Ended> {

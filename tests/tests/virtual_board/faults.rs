@@ -2,6 +2,7 @@
 //! lost.
 
 use std::io::Write;
+use std::time::Duration;
 
 use breakaway::device::virtual_board::{Fault, MOST_GARBAGE};
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
@@ -73,6 +74,60 @@ fn a_host_that_is_gone() {
     let (mut client, _) = breakaway::device::Client::connect(&port, breakaway_core::link::BAUD).unwrap();
     let Ok(Reply::Fault(Some(record))) = client.request(Command::GetFault) else { panic!("no fault") };
     assert_eq!((record.cause, record.value, record.limit), (FaultCause::LinkLost, 2000, 2000));
+}
+
+/// The same with the client still there: the cable is cut at a tick told beforehand, as by
+/// `breakaway virtual-board --inject 4000:host-gone`.
+#[test]
+fn a_host_that_is_cut_off_in_mid_motion() {
+    const CUT: u64 = 4_000;
+    let mut bench = Bench::new(|options| {
+        options.settings.command_timeout_ms = 2_000;
+        options.faults = vec![format!("{CUT}:host-gone").parse().unwrap()];
+    });
+    bench.swing();
+    let seen = bench.board.watch();
+    let mut last_driven = 0;
+    // As long without any drive as the longest stay at 0 of a running relay, which has none.
+    while let Ok(now) = seen.recv_timeout(Duration::from_secs(20)) {
+        if now.code != 0 {
+            last_driven = now.tick;
+        } else if now.tick > last_driven + 50 {
+            break;
+        }
+        // It goes on saying that it is there, to nobody.
+        bench.take(Duration::ZERO);
+    }
+    // 2000 ticks after the last command that got through; the client sends one every 0.2 s of its own time, which at three
+    // times real time are 600 ticks, or some more on a busy machine.
+    assert!((CUT + 2_000 - 1_200..=CUT + 2_002).contains(&last_driven), "driven until {last_driven}");
+    // What was captured until then is whole.
+    let captured = bench.samples.last().unwrap().tick;
+    assert!(u64::from(captured).abs_diff(CUT) < 500, "captured until {captured}");
+    bench.no_gap();
+    bench.board.inject(Fault::Healed);
+    // It answers once what was asked before is done.
+    assert!(bench.board.seen().is_some());
+    let before = (
+        std::time::Instant::now(),
+        bench.board.seen(),
+        bench.board.traffic(),
+        bench.client.counters().good_frames(),
+        bench.client.counters().bad_frames(),
+    );
+    if let Err(error) = bench.client.request(Command::GetFault) {
+        panic!(
+            "{error} {before:?} {:?} {:?} {:?} {:?} {:?}",
+            before.0.elapsed(),
+            bench.board.seen(),
+            bench.board.traffic(),
+            bench.client.counters().good_frames(),
+            bench.client.counters().bad_frames()
+        );
+    }
+    let record = bench.fault().expect("a fault");
+    assert_eq!((record.cause, record.value, record.limit), (FaultCause::LinkLost, 2000, 2000));
+    assert!(record.tick.abs_diff(last_driven as u32) <= 2 && record.mode == Mode::Relay, "{record:?}, {last_driven}");
 }
 
 #[test]

@@ -7,3 +7,4 @@ mod faults;
 mod flash;
 mod identify;
 mod loop_closed;
+mod soak;

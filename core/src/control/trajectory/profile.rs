@@ -2,6 +2,7 @@
 
 use super::{Setpoint, TrajectoryError, check_tick};
 use crate::control::fast::Fast;
+use crate::scalar::Real;
 
 /// Most segments of a profile.
 const SEGMENTS: usize = 7;
@@ -233,37 +234,49 @@ impl<R: Fast> Profile<R> {
     ///
     /// # Errors
     /// [`TrajectoryError::Tick`], [`TrajectoryError::Distance`], [`TrajectoryError::Duration`].
-    pub fn in_ticks(distance: f64, phases: Phases, tick_s: f64) -> Result<Self, TrajectoryError> {
+    pub fn in_ticks<F: Real>(distance: F, phases: Phases, tick_s: F) -> Result<Self, TrajectoryError> {
         check_tick(tick_s)?;
         if !distance.is_finite() {
             return Err(TrajectoryError::Distance);
         }
         let length = phases.ticks().ok_or(TrajectoryError::Duration)?;
-        let [tj, ta, tv] = [phases.jerk, phases.acceleration, phases.cruise].map(f64::from);
+        let [tj, ta, tv] = [phases.jerk, phases.acceleration, phases.cruise].map(F::from_u32);
         // Speeds and accelerations that cover the distance in these times: none exceeds its limit, as all times grew.
-        let v = distance / ((2.0 * tj + ta + tv) * tick_s);
+        let v = distance / ((tj + tj + ta + tv) * tick_s);
         let a = v / ((tj + ta) * tick_s);
-        let j = if tj > 0.0 { a / (tj * tick_s) } else { 0.0 };
-        let plan = [(tj, 0.0, j), (ta, a, 0.0), (tj, a, -j), (tv, 0.0, 0.0), (tj, 0.0, -j), (ta, -a, 0.0), (tj, -a, j)];
+        let j = if phases.jerk > 0 { a / (tj * tick_s) } else { F::ZERO };
+        // Of each segment: its ticks, and acceleration and jerk as multiples of a and j.
+        let (jerk, acceleration) = (phases.jerk, phases.acceleration);
+        let plan = [
+            (jerk, 0, 1),
+            (acceleration, 1, 0),
+            (jerk, 1, -1),
+            (phases.cruise, 0, 0),
+            (jerk, 0, -1),
+            (acceleration, -1, 0),
+            (jerk, -1, 1),
+        ];
+        let times = |sign: i8, value: F| match sign {
+            0 => F::ZERO,
+            1 => value,
+            _ => -value,
+        };
+        let real = |value: F| R::from_f64(value.to_f64());
         let mut segments = [Segment::default(); SEGMENTS];
-        let (mut used, mut from, mut x, mut speed) = (0, 0.0, 0.0, 0.0);
-        for (ticks, acceleration, jerk) in plan {
-            if ticks == 0.0 {
+        let (mut used, mut from, mut x, mut speed) = (0, 0, F::ZERO, F::ZERO);
+        for (ticks, by_a, by_j) in plan {
+            if ticks == 0 {
                 continue;
             }
+            let (half_a, sixth_j) = (times(by_a, a).scale(0.5), times(by_j, j).scale(1.0 / 6.0));
             if let Some(slot) = segments.get_mut(used) {
-                *slot = Segment {
-                    from: from as u32,
-                    x: R::from_f64(x),
-                    v: R::from_f64(speed),
-                    half_a: R::from_f64(0.5 * acceleration),
-                    sixth_j: R::from_f64(jerk / 6.0),
-                };
+                *slot = Segment { from, x: real(x), v: real(speed), half_a: real(half_a), sixth_j: real(sixth_j) };
                 used += 1;
             }
-            let t = ticks * tick_s;
-            x += t * (speed + t * (0.5 * acceleration + t * jerk / 6.0));
-            speed += t * (acceleration + 0.5 * t * jerk);
+            let t = F::from_u32(ticks) * tick_s;
+            x += t * (speed + t * (half_a + t * sixth_j));
+            speed += t * (half_a + half_a + t * sixth_j.scale(3.0));
+            // Below 2³⁰ in all.
             from += ticks;
         }
         Ok(Self {
@@ -272,8 +285,8 @@ impl<R: Fast> Profile<R> {
             length,
             half_period: length,
             shuttle: false,
-            distance: R::from_f64(distance),
-            tick: R::from_f64(tick_s),
+            distance: real(distance),
+            tick: real(tick_s),
         })
     }
 }

@@ -2,6 +2,8 @@
 
 use super::{Setpoint, TrajectoryError, check_tick};
 use crate::control::fast::Fast;
+use crate::excite::waveform::phase_step;
+use crate::scalar::Real;
 use crate::scalar::nco::Nco;
 
 /// `x = A·sin ωt`, from the middle; the velocity at t = 0 is Aω.
@@ -21,12 +23,26 @@ impl<R: Fast> Sine<R> {
     /// [`TrajectoryError`] names the parameter.
     pub fn new(amplitude: f64, frequency_hz: f64, tick_s: f64) -> Result<Self, TrajectoryError> {
         check_tick(tick_s)?;
+        let nco = Nco::new(core::f64::consts::TAU * frequency_hz, tick_s).map_err(|_| TrajectoryError::Frequency)?;
+        Self::of_word(nco.word(), amplitude, tick_s)
+    }
+
+    /// The same by its period, at least 2 ticks: what a board is told.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] names the parameter.
+    pub fn of_period<F: Real>(amplitude: F, period_ticks: F, tick_s: F) -> Result<Self, TrajectoryError> {
+        check_tick(tick_s)?;
+        Self::of_word(phase_step(period_ticks).ok_or(TrajectoryError::Frequency)?, amplitude, tick_s)
+    }
+
+    fn of_word<F: Real>(word: u32, amplitude: F, tick_s: F) -> Result<Self, TrajectoryError> {
         if !amplitude.is_finite() {
             return Err(TrajectoryError::Distance);
         }
-        let nco = Nco::new(core::f64::consts::TAU * frequency_hz, tick_s).map_err(|_| TrajectoryError::Frequency)?;
-        let w = nco.radians_per_sample() / tick_s;
-        Ok(Self { word: nco.word(), scale: [amplitude, amplitude * w, -amplitude * w * w].map(R::from_f64) })
+        let w = F::from_u32(word).scale(core::f64::consts::TAU / 4_294_967_296.0) / tick_s;
+        let scale = [amplitude, amplitude * w, -amplitude * w * w].map(|value| R::from_f64(value.to_f64()));
+        Ok(Self { word, scale })
     }
 
     /// The reference at tick `k`; it repeats without end.

@@ -90,15 +90,15 @@ impl<R: Real> Meter<R> {
                 self.armed = true;
             }
             if before >= R::ZERO && error < R::ZERO {
-                self.falling = self.head + R::from_f64(f64::from(self.samples) - 1.0) + fraction;
+                self.falling = self.head + (R::from_u32(self.samples) - R::ONE) + fraction;
             }
         }
         ended
     }
 
     fn close(&self, fraction: R, before: R, held: R) -> Cycle<R> {
-        let count = R::from_f64(f64::from(self.samples) + 1.0);
-        let period = self.head + R::from_f64(f64::from(self.samples)) + fraction;
+        let count = R::from_u32(self.samples) + R::ONE;
+        let period = self.head + R::from_u32(self.samples) + fraction;
         let bias = (self.sum + before) / count;
         let power = (self.square + before * before) / count - bias * bias;
         let two = R::ONE + R::ONE;

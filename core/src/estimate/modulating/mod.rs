@@ -26,8 +26,8 @@
 //! # Streaming
 //! Two half-overlapping Hann windows add up to one. So the sums with weights E = e^(−jω0t) and H·E over each half-window
 //! give both windows: rising half ΣHE, falling half of the other Σ(1−H)E. Memory is O(1): a delay line of
-//! 2d + 1 samples for the velocity's sign, four sums, and the normal equations, which are kept in f64 (they are touched
-//! twice per window only).
+//! 2d + 1 samples for the velocity's sign, four sums, and the normal equations, which are kept in f64 or in two f32
+//! ([`SolverReal::Sum`]; they are touched twice per window only).
 
 mod block;
 mod edges;
@@ -36,8 +36,8 @@ mod solve;
 pub use block::{Block, COLUMNS};
 pub use solve::{BaseEstimate, Parameter, Refusal, estimate, estimate_base};
 
-use crate::estimate::angle::sin_cos;
-use crate::scalar::Real;
+use crate::estimate::angle::sin_cos_of_turns;
+use crate::scalar::{Real, SolverReal};
 use edges::{Edge, Interval, interval};
 
 /// What is wrong with the estimator's configuration; names the parameter.
@@ -86,7 +86,7 @@ struct Channel<R> {
 /// The estimator's state; see [`Modulating`].
 #[allow(clippy::struct_excessive_bools, reason = "independent facts about the running half-window")]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ModulatingState<R, const F: usize = 1, const LINE: usize = 64> {
+pub struct ModulatingState<R: SolverReal, const F: usize = 1, const LINE: usize = 64> {
     x: [R; LINE],
     u: [R; LINE],
     head: usize,
@@ -104,10 +104,10 @@ pub struct ModulatingState<R, const F: usize = 1, const LINE: usize = 64> {
     still: u32,
     at_rest: bool,
     rested_before: bool,
-    blocks: [Block; F],
+    blocks: [Block<R>; F],
 }
 
-impl<R: Real, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
+impl<R: SolverReal, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
     /// Checks and prepares a configuration.
     ///
     /// - `ts`: sample period in seconds.
@@ -153,8 +153,8 @@ impl<R: Real, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
             half_width,
             multiples,
             rest_band,
-            rotation: multiples.map(|m| phasor(-1.0, m, window)),
-            hann_rotation: phasor(1.0, 1, window),
+            rotation: multiples.map(|m| conjugate(phasor(m, window))),
+            hann_rotation: phasor(1, window),
         })
     }
 
@@ -264,28 +264,29 @@ impl<R: Real, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
     }
 
     fn rebase(&self, state: &mut ModulatingState<R, F, LINE>) {
-        state.hann = phasor(1.0, state.position, self.window);
+        state.hann = phasor(state.position, self.window);
         let hann = (R::ONE - state.hann.0) * R::from_f64(0.5);
         for (channel, &multiple) in state.channels.iter_mut().zip(&self.multiples) {
             let turns = u64::from(multiple) * u64::from(state.position) % u64::from(self.window);
-            channel.oscillator = phasor(-1.0, turns as u32, self.window);
+            channel.oscillator = conjugate(phasor(turns as u32, self.window));
             channel.set_weight(hann);
         }
     }
 
     fn close_half(&self, state: &mut ModulatingState<R, F, LINE>) {
         let falling = state.position == 0;
-        let ts = self.ts.to_f64();
-        let tau = ts * self.half_width as f64;
+        let ts = self.ts;
+        let tau = ts * R::from_i64(self.half_width as i64);
+        let length = ts * R::from_i64(i64::from(self.window));
         let keep = state.have_partial && !state.at_rest && !state.rested_before;
         for ((channel, block), &multiple) in state.channels.iter_mut().zip(&mut state.blocks).zip(&self.multiples) {
-            let mut total = [[0.0; 2]; 6];
+            let mut total = [[R::ZERO; 2]; 6];
             for ((sum, partial), total) in channel.sums.iter_mut().zip(&mut channel.partial).zip(&mut total) {
                 let rising = [sum[2], sum[3]];
                 let rest = [sum[0] - sum[2], sum[1] - sum[3]];
                 let (closing, opening) = if falling { (rising, rest) } else { (rest, rising) };
                 for ((total, &partial), &closing) in total.iter_mut().zip(partial.iter()).zip(&closing) {
-                    *total = (partial + closing).to_f64();
+                    *total = partial + closing;
                 }
                 *partial = opening;
                 *sum = [R::ZERO; 4];
@@ -297,13 +298,12 @@ impl<R: Real, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
                 block.skip();
                 continue;
             }
-            let load = if multiple == 0 { ts * f64::from(self.window) / 2.0 } else { 0.0 };
+            let load = if multiple == 0 { length.scale(0.5) } else { R::ZERO };
             let row = |part: usize| {
                 let [curvature, slope, sign, drive, first, third] = total.map(|value| value[part]);
-                let load = if part == 0 { load } else { 0.0 };
+                let load = if part == 0 { load } else { R::ZERO };
                 [curvature / ts, slope, sign * ts, load, first * tau, third * tau, drive * ts]
             };
-            let length = ts * f64::from(self.window);
             block.add(&[row(0), row(1)], multiple == 0, length);
         }
         state.have_partial = true;
@@ -312,9 +312,9 @@ impl<R: Real, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
     }
 }
 
-impl<R: Real, const F: usize, const LINE: usize> ModulatingState<R, F, LINE> {
+impl<R: SolverReal, const F: usize, const LINE: usize> ModulatingState<R, F, LINE> {
     /// The normal equations so far, one block per window frequency; hand those of all experiments to [`estimate`].
-    pub const fn blocks(&self) -> &[Block; F] {
+    pub const fn blocks(&self) -> &[Block<R>; F] {
         &self.blocks
     }
 
@@ -418,9 +418,14 @@ fn rotate<R: Real>(a: (R, R), b: (R, R)) -> (R, R) {
     (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
-/// e^(±j2π·turns/of).
-fn phasor<R: Real>(direction: f64, turns: u32, of: u32) -> (R, R) {
-    let angle = direction * core::f64::consts::TAU * f64::from(turns) / f64::from(of);
-    let (sin, cos) = sin_cos(angle);
-    (R::from_f64(cos), R::from_f64(sin))
+/// e^(j2π·turns/of), `turns` ≤ `of`.
+fn phasor<R: SolverReal>(turns: u32, of: u32) -> (R, R) {
+    // To 2⁻³⁹ turn: a window has at most 2²⁴ samples.
+    let step = u64::MAX / u64::from(of.max(1));
+    let (sin, cos) = sin_cos_of_turns(step.wrapping_mul(u64::from(turns)));
+    (cos, sin)
+}
+
+fn conjugate<R: Real>((re, im): (R, R)) -> (R, R) {
+    (re, -im)
 }

@@ -1,8 +1,9 @@
 //! From the blocks of all experiments to (b, c, f1), their covariance, or the refusal.
 
-use super::block::{Block, COLUMNS, Phase};
+use super::block::{Block, COLUMNS, Matrix, Phase};
 use crate::estimate::linear::{NormalEquations, Solution, SolveError};
 use crate::plant::Base;
+use crate::scalar::{ExactSum, SolverReal};
 
 /// A parameter of the base model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,27 +63,27 @@ impl Refusal {
     }
 }
 
-/// The base model with what is known about its errors. Units as in [`Base`].
+/// The base model with what is known about its errors, in f64 or f32. Units as in [`Base`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BaseEstimate {
+pub struct BaseEstimate<R = f64> {
     /// Inertia.
-    pub b: f64,
+    pub b: R,
     /// Viscous friction and back-EMF.
-    pub c: f64,
+    pub c: R,
     /// Coulomb friction.
-    pub f1: f64,
+    pub f1: R,
     /// Constant load in drive units, if a window of multiple 0 asked for it.
-    pub load: Option<f64>,
+    pub load: Option<R>,
     /// Standard errors of b, c, f1 and the load (0 if not asked for).
-    pub standard_errors: [f64; 4],
+    pub standard_errors: [R; 4],
     /// Covariance in the same order.
-    pub covariance: [[f64; 4]; 4],
+    pub covariance: [[R; 4]; 4],
     /// Condition of the scaled normal matrix.
-    pub condition: f64,
+    pub condition: R,
     /// Windows used, over all experiments and frequencies.
     pub windows: u32,
     /// Rms of the equation residual per window length, in drive units.
-    pub residual: f64,
+    pub residual: R,
 }
 
 impl BaseEstimate {
@@ -97,6 +98,10 @@ impl BaseEstimate {
 
 const DRIVE: usize = COLUMNS - 1;
 const SIGN: usize = 2;
+/// A share of the drive's power that is rounding.
+const FLOOR: f64 = 1e-15;
+/// Rounds of iterative refinement: each gains as many digits as the condition leaves of the type's.
+const REFINEMENTS: usize = 3;
 /// Rounds of re-weighting and edge correction; each shrinks the change by more than a factor 10.
 const ROUNDS: usize = 6;
 /// Columns must differ by more than about 1 % in some direction: less is within what the sign's edges leave.
@@ -113,7 +118,7 @@ const LARGEST_SHARE_ERROR: f64 = 0.25;
 ///
 /// # Errors
 /// [`Refusal`] names what the data cannot determine; its advice names the experiment that would.
-pub fn estimate(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
+pub fn estimate<R: SolverReal>(experiments: &[&[Block<R>]]) -> Result<BaseEstimate<R>, Refusal> {
     let problem = Problem::checked(experiments)?;
     if problem.asks_for_load() { problem.solve::<4>() } else { problem.solve::<3>() }
 }
@@ -123,64 +128,67 @@ pub fn estimate(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
 ///
 /// # Errors
 /// As [`estimate`]; and [`Refusal::Undetermined`] names the load where a block asks for it.
-pub fn estimate_base(experiments: &[&[Block]]) -> Result<BaseEstimate, Refusal> {
+pub fn estimate_base<R: SolverReal>(experiments: &[&[Block<R>]]) -> Result<BaseEstimate<R>, Refusal> {
     let problem = Problem::checked(experiments)?;
     if problem.asks_for_load() {
         return Err(Refusal::Undetermined(Parameter::Load));
     }
     problem.solve::<3>()
 }
+
 #[derive(Clone, Copy)]
-struct Problem<'a> {
-    experiments: &'a [&'a [Block]],
+struct Problem<'a, R: SolverReal> {
+    experiments: &'a [&'a [Block<R>]],
 }
 
 /// The equations of one phase of one block.
-struct Part<'a> {
-    phase: &'a Phase,
-    rows: f64,
-    length: f64,
+struct Part<'a, R: SolverReal> {
+    phase: &'a Phase<R>,
+    rows: R,
+    length: R,
     quadrature: bool,
 }
 
 /// What the weights of a round follow from.
 #[derive(Clone, Copy)]
-struct Round<const N: usize> {
-    parameters: [f64; N],
-    pooled: Option<f64>,
+struct Round<R, const N: usize> {
+    parameters: [R; N],
+    pooled: Option<R>,
 }
 
-impl<const N: usize> Round<N> {
-    /// 1/variance of the part's equations, the pooled variance counted as one more row.
-    fn weight(&self, part: &Part<'_>) -> f64 {
+impl<R: SolverReal, const N: usize> Round<R, N> {
+    /// Pooled variance over the variance of the part's equations, the pooled one counted as one more row.
+    fn weight(&self, part: &Part<'_, R>) -> R {
         let Some(pooled) = self.pooled else {
-            return 1.0;
+            return R::ONE;
         };
-        let own = residual(&part.phase.gram, &self.parameters).max(0.0);
-        (part.rows + 1.0) / (own + pooled).max(f64::MIN_POSITIVE)
+        let pooled = pooled.max(R::MIN_POSITIVE);
+        (part.rows + R::ONE) * (pooled / (residual(&part.phase.gram, &self.parameters) + pooled))
     }
 }
 
 /// One round's weighted sums. `columns`ᵀ·`columns`, and instruments against columns, drive and instruments.
-struct Sums<const N: usize> {
-    gram: [[f64; N]; N],
-    drive: [f64; N],
-    square: f64,
-    instrument: [[f64; N]; N],
-    instrument_drive: [f64; N],
+struct Sums<R: SolverReal, const N: usize> {
+    gram: [[R::Sum; N]; N],
+    drive: [R::Sum; N],
+    square: R::Sum,
+    instrument: [[R::Sum; N]; N],
+    instrument_drive: [R::Sum; N],
 }
 
 /// One round's result.
-struct Outcome<const N: usize> {
-    parameters: [f64; N],
+struct Outcome<R: SolverReal, const N: usize> {
+    parameters: [R; N],
     /// (ZᵀA)⁻¹.
-    inverse: [[f64; N]; N],
-    least_squares: Solution<f64, N>,
-    sums: Sums<N>,
+    inverse: [[R; N]; N],
+    least_squares: Solution<R, N>,
+    /// Diagonal of the columns' Gram matrix, and the drive's.
+    gram: [R; N],
+    square: R,
 }
 
-impl<'a> Problem<'a> {
-    fn checked(experiments: &'a [&'a [Block]]) -> Result<Self, Refusal> {
+impl<'a, R: SolverReal> Problem<'a, R> {
+    fn checked(experiments: &'a [&'a [Block<R>]]) -> Result<Self, Refusal> {
         let problem = Problem { experiments };
         if problem.rows() == 0 {
             let (mut skipped, mut not_finite) = (false, false);
@@ -210,7 +218,7 @@ impl<'a> Problem<'a> {
 
     /// Visits the blocks that have windows. One copy of the loop for all who visit, as in [`Self::parts`].
     #[inline(never)]
-    fn blocks(self, visit: &mut dyn FnMut(&'a Block)) {
+    fn blocks(self, visit: &mut dyn FnMut(&'a Block<R>)) {
         for &blocks in self.experiments {
             for block in blocks {
                 if block.windows > 0 {
@@ -222,11 +230,11 @@ impl<'a> Problem<'a> {
 
     /// Visits the equations.
     #[inline(never)]
-    fn parts(self, visit: &mut dyn FnMut(&Part<'a>)) {
+    fn parts(self, visit: &mut dyn FnMut(&Part<'a, R>)) {
         self.blocks(&mut |block| {
             let used = block.rows_per_window as usize;
             for (index, phase) in block.phases.iter().take(used).enumerate() {
-                let rows = f64::from(block.windows);
+                let rows = number(block.windows);
                 visit(&Part { phase, rows, length: block.length, quadrature: index == 1 });
             }
         });
@@ -238,16 +246,17 @@ impl<'a> Problem<'a> {
         rows
     }
 
-    fn solve<const N: usize>(self) -> Result<BaseEstimate, Refusal> {
-        let mut round = Round { parameters: [0.0; N], pooled: None };
+    fn solve<const N: usize>(self) -> Result<BaseEstimate<R>, Refusal> {
+        let mut round = Round { parameters: [R::ZERO; N], pooled: None };
         for _ in 1..ROUNDS {
             let parameters = self.once(&round)?.parameters;
             // The floor stands for the rounding of the sums, where the data fit exactly.
-            let mut power = 0.0;
+            let mut power = R::ZERO;
             self.parts(&mut |part| {
-                power += residual(&part.phase.gram, &parameters).max(0.0) + 1e-15 * part.phase.gram[DRIVE][DRIVE];
+                let drive = part.phase.gram[DRIVE][DRIVE].rounded();
+                power += residual(&part.phase.gram, &parameters) + drive.scale(FLOOR);
             });
-            round = Round { parameters, pooled: Some(power / f64::from(self.rows().max(1))) };
+            round = Round { parameters, pooled: Some(power / number(self.rows().max(1))) };
         }
         let outcome = self.once(&round)?;
         let estimate = self.report(&round, &outcome);
@@ -255,64 +264,87 @@ impl<'a> Problem<'a> {
         Ok(estimate)
     }
 
-    fn once<const N: usize>(self, round: &Round<N>) -> Result<Outcome<N>, Refusal> {
-        let columns: [Column; N] = columns(round.parameters[2]);
-        let mut sums = Sums {
-            gram: [[0.0; N]; N],
-            drive: [0.0; N],
-            square: 0.0,
-            instrument: [[0.0; N]; N],
-            instrument_drive: [0.0; N],
+    fn sums<const N: usize>(self, round: &Round<R, N>) -> Sums<R, N> {
+        let columns: [Column<R>; N] = columns(round.parameters[2]);
+        let (matrix, vector) = ([[R::Sum::default(); N]; N], [R::Sum::default(); N]);
+        let mut sums: Sums<R, N> = Sums {
+            gram: matrix,
+            drive: vector,
+            square: R::Sum::default(),
+            instrument: matrix,
+            instrument_drive: vector,
         };
         self.parts(&mut |part| {
             let weight = round.weight(part);
+            let weighted =
+                |left: &Column<R>, right: &Column<R>| bilinear::<R>(&part.phase.gram, left, right).times(weight);
             for (i, column) in columns.iter().enumerate() {
                 let instrument = !(part.quadrature && i == SIGN);
-                for (j, other) in columns.iter().enumerate() {
-                    let product = weight * bilinear(&part.phase.gram, column, other);
-                    sums.gram[i][j] += product;
+                let add = |all: &mut R::Sum, instruments: &mut R::Sum, other: &Column<R>| {
+                    let product = weighted(column, other);
+                    *all = all.plus(product);
                     if instrument {
-                        sums.instrument[i][j] += product;
+                        *instruments = instruments.plus(product);
                     }
+                };
+                for (j, other) in columns.iter().enumerate() {
+                    add(&mut sums.gram[i][j], &mut sums.instrument[i][j], other);
                 }
-                let product = weight * bilinear(&part.phase.gram, column, &DRIVE_COLUMN);
-                sums.drive[i] += product;
-                if instrument {
-                    sums.instrument_drive[i] += product;
-                }
+                add(&mut sums.drive[i], &mut sums.instrument_drive[i], &drive_column());
             }
-            sums.square += weight * part.phase.gram[DRIVE][DRIVE];
+            sums.square = sums.square.plus(weighted(&drive_column(), &drive_column()));
         });
+        sums
+    }
+
+    fn once<const N: usize>(self, round: &Round<R, N>) -> Result<Outcome<R, N>, Refusal> {
+        let sums = self.sums(round);
+        let rounded = |matrix: &[[R::Sum; N]; N]| matrix.map(|line| line.map(R::Sum::rounded));
+        let (gram, square) = (rounded(&sums.gram), sums.square.rounded());
         // Least squares says whether the parameters can be told apart; the instruments give them without bias.
-        let equations = NormalEquations::from_sums(sums.gram, sums.drive, sums.square, self.rows());
-        let least_squares = match equations.solve(MAX_CONDITION) {
+        let equations = NormalEquations::from_sums(gram, sums.drive.map(R::Sum::rounded), square, self.rows());
+        let least_squares = match equations.solve(R::from_f64(MAX_CONDITION)) {
             Ok(solution) => solution,
             Err(SolveError::TooFewRows) => return Err(Refusal::TooShort),
             Err(SolveError::NotFinite) => return Err(Refusal::NotFinite),
             Err(SolveError::Undetermined { parameter }) => return Err(self.name(parameter)),
         };
-        let inverse = invert(sums.instrument).ok_or_else(|| self.name(least_squares.weakest_parameter))?;
-        let mut parameters = [0.0; N];
-        for (parameter, line) in parameters.iter_mut().zip(&inverse) {
-            *parameter = line.iter().zip(&sums.instrument_drive).map(|(a, b)| a * b).sum();
+        let inverse = invert(rounded(&sums.instrument)).ok_or_else(|| self.name(least_squares.weakest_parameter))?;
+        // What the inverse's rounding leaves is solved for again (iterative refinement): the sums' digits count.
+        let mut parameters = [R::ZERO; N];
+        for _ in 0..REFINEMENTS {
+            let mut rest = [R::ZERO; N];
+            for ((rest, line), &drive) in rest.iter_mut().zip(&sums.instrument).zip(&sums.instrument_drive) {
+                let mut sum = drive;
+                for (entry, &parameter) in line.iter().zip(&parameters) {
+                    sum = sum.plus(entry.times(-parameter));
+                }
+                *rest = sum.rounded();
+            }
+            for (parameter, line) in parameters.iter_mut().zip(&inverse) {
+                for (&entry, &rest) in line.iter().zip(&rest) {
+                    *parameter += entry * rest;
+                }
+            }
         }
         if !parameters.iter().all(|value| value.is_finite()) {
             return Err(self.name(least_squares.weakest_parameter));
         }
-        Ok(Outcome { parameters, inverse, least_squares, sums })
+        Ok(Outcome { parameters, inverse, least_squares, gram: core::array::from_fn(|k| gram[k][k]), square })
     }
 
-    fn judge<const N: usize>(self, outcome: &Outcome<N>, estimate: &BaseEstimate) -> Result<(), Refusal> {
-        let sums = &outcome.sums;
+    fn judge<const N: usize>(self, outcome: &Outcome<R, N>, estimate: &BaseEstimate<R>) -> Result<(), Refusal> {
         let fit = &outcome.least_squares;
         let spare = self.rows().saturating_sub(N as u32).max(1);
-        let rest = fit.variance * f64::from(spare) / sums.square;
-        if fit.weakest < WEAKEST_OVER_RESIDUAL * rest {
+        let rest = fit.variance * number(spare) / outcome.square;
+        if fit.weakest < rest.scale(WEAKEST_OVER_RESIDUAL) {
             return Err(self.name(fit.weakest_parameter));
         }
-        for (index, gram) in sums.gram.iter().enumerate() {
-            let share = estimate.covariance[index][index] * gram[index] / sums.square;
-            if share.is_nan() || share >= LARGEST_SHARE_ERROR * LARGEST_SHARE_ERROR {
+        for (index, &gram) in outcome.gram.iter().enumerate() {
+            let share = estimate.covariance[index][index] * (gram / outcome.square);
+            // Written so that NaN is refused too.
+            let small = share < R::from_f64(LARGEST_SHARE_ERROR * LARGEST_SHARE_ERROR);
+            if !small {
                 return Err(self.name(index));
             }
         }
@@ -321,54 +353,55 @@ impl<'a> Problem<'a> {
 
     /// Whether ∫φ·sgn v is nothing but rounding in all windows that reject a constant.
     fn one_direction(self) -> bool {
-        let (mut sign, mut full) = (0.0, 0.0);
+        let (mut sign, mut full) = (R::ZERO, R::ZERO);
         self.blocks(&mut |block| {
             if block.rows_per_window == 2 {
-                sign += block.phases[0].gram[SIGN][SIGN] + block.phases[1].gram[SIGN][SIGN];
-                full += f64::from(block.rows()) * block.length * block.length;
+                sign += block.phases[0].gram[SIGN][SIGN].rounded() + block.phases[1].gram[SIGN][SIGN].rounded();
+                full += number::<R>(block.rows()) * block.length * block.length;
             }
         });
-        full > 0.0 && sign <= 1e-9 * full
+        full > R::ZERO && sign <= full.scale(1e-9)
     }
 
     /// The refusal for a column; c and f1 together have a plainer name.
     fn name(self, column: usize) -> Refusal {
-        let (mut cross, mut speed, mut sign) = (0.0, 0.0, 0.0);
+        let (mut cross, mut speed, mut sign) = (R::ZERO, R::ZERO, R::ZERO);
         self.parts(&mut |part| {
-            cross += part.phase.gram[1][SIGN];
-            speed += part.phase.gram[1][1];
-            sign += part.phase.gram[SIGN][SIGN];
+            cross += part.phase.gram[1][SIGN].rounded();
+            speed += part.phase.gram[1][1].rounded();
+            sign += part.phase.gram[SIGN][SIGN].rounded();
         });
         match column {
             0 => Refusal::Undetermined(Parameter::Inertia),
-            1 | 2 if cross * cross > 0.9 * speed * sign => Refusal::SingleSpeed,
+            1 | 2 if cross * cross > (speed * sign).scale(0.9) => Refusal::SingleSpeed,
             1 => Refusal::Undetermined(Parameter::Damping),
             2 => Refusal::Undetermined(Parameter::Coulomb),
             _ => Refusal::Undetermined(Parameter::Load),
         }
     }
 
-    fn report<const N: usize>(self, round: &Round<N>, outcome: &Outcome<N>) -> BaseEstimate {
+    fn report<const N: usize>(self, round: &Round<R, N>, outcome: &Outcome<R, N>) -> BaseEstimate<R> {
         let parameters = outcome.parameters;
-        let columns = columns::<N>(parameters[2]);
-        let rows = f64::from(self.rows());
-        let spare = (rows - N as f64).max(1.0);
+        let columns = columns::<R, N>(parameters[2]);
+        let rows = number::<R>(self.rows());
+        let spare = (rows - number(N as u32)).max(R::ONE);
         // Meat of the sandwich: Σ w²σ² (ZᵀZ + ρ(C + Cᵀ)), ρ the residuals' correlation from window to window.
-        let mut meat = [[0.0; N]; N];
-        let (mut power, mut lengths) = (0.0, 0.0);
+        let mut meat = [[R::ZERO; N]; N];
+        let (mut power, mut lengths) = (R::ZERO, R::ZERO);
         self.parts(&mut |part| {
             let weight = round.weight(part);
-            let own = residual(&part.phase.gram, &parameters).max(0.0);
-            let next = residual(&part.phase.lag, &parameters);
-            let correlation = if own > 0.0 { (next / own).clamp(0.0, 0.5) } else { 0.0 };
+            let own = residual(&part.phase.gram, &parameters);
+            let next = residual_form(&part.phase.lag, &parameters);
+            let correlation = if own > R::ZERO { (next / own).max(R::ZERO).min(R::from_f64(0.5)) } else { R::ZERO };
             let factor = weight * weight * own / part.rows * (rows / spare);
             for (i, (line, left)) in meat.iter_mut().zip(&columns).enumerate() {
                 for (j, (entry, right)) in line.iter_mut().zip(&columns).enumerate() {
                     if part.quadrature && (i == SIGN || j == SIGN) {
                         continue;
                     }
-                    let lag = bilinear(&part.phase.lag, left, right) + bilinear(&part.phase.lag, right, left);
-                    *entry += factor * (bilinear(&part.phase.gram, left, right) + correlation * lag);
+                    let form = |matrix, left, right| bilinear::<R>(matrix, left, right).rounded();
+                    let lag = form(&part.phase.lag, left, right) + form(&part.phase.lag, right, left);
+                    *entry += factor * (form(&part.phase.gram, left, right) + correlation * lag);
                 }
             }
             power += own;
@@ -382,63 +415,87 @@ impl<'a> Problem<'a> {
             c: parameters[1],
             f1: parameters[2],
             load: parameters.get(3).copied(),
-            standard_errors: core::array::from_fn(|k| libm::sqrt(covariance[k][k].max(0.0))),
+            standard_errors: core::array::from_fn(|k| covariance[k][k].sqrt()),
             covariance,
             condition: outcome.least_squares.condition,
             windows,
-            residual: libm::sqrt(power / lengths.max(f64::MIN_POSITIVE)),
+            residual: (power / lengths.max(R::MIN_POSITIVE)).sqrt(),
         }
     }
 }
 
-type Column = [f64; COLUMNS];
+fn number<R: SolverReal>(count: u32) -> R {
+    R::from_i64(i64::from(count))
+}
 
-const DRIVE_COLUMN: Column = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+type Column<R> = [R; COLUMNS];
+
+fn drive_column<R: SolverReal>() -> Column<R> {
+    let mut column = [R::ZERO; COLUMNS];
+    column[DRIVE] = R::ONE;
+    column
+}
 
 /// The parameters' columns as combinations of the recorded ones: the sign's carries the edge correction.
-fn columns<const N: usize>(f1: f64) -> [Column; N] {
-    let mut columns = [[0.0; COLUMNS]; N];
+fn columns<R: SolverReal, const N: usize>(f1: R) -> [Column<R>; N] {
+    let mut columns = [[R::ZERO; COLUMNS]; N];
     for (k, column) in columns.iter_mut().enumerate() {
-        column[k] = 1.0;
+        column[k] = R::ONE;
     }
-    let f1 = f1.max(0.0);
+    let f1 = f1.max(R::ZERO);
     columns[SIGN][4] = f1;
     columns[SIGN][5] = f1 * f1 * f1;
     columns
 }
 
-fn bilinear(matrix: &[Column; COLUMNS], left: &Column, right: &Column) -> f64 {
-    let mut sum = 0.0;
+#[inline(never)]
+fn bilinear<R: SolverReal>(matrix: &Matrix<R>, left: &Column<R>, right: &Column<R>) -> R::Sum {
+    let mut sum = R::Sum::default();
     for (line, &a) in matrix.iter().zip(left) {
-        if a != 0.0 {
-            sum += a * line.iter().zip(right).map(|(entry, b)| entry * b).sum::<f64>();
+        if a != R::ZERO {
+            let mut inner = R::Sum::default();
+            for (entry, &b) in line.iter().zip(right) {
+                inner = inner.plus(entry.times(b));
+            }
+            sum = sum.plus(inner.times(a));
         }
     }
     sum
 }
 
+/// Σ r² for given parameters.
+fn residual<R: SolverReal, const N: usize>(matrix: &Matrix<R>, parameters: &[R; N]) -> R {
+    residual_form(matrix, parameters).max(R::ZERO)
+}
+
 /// Σ r² (or Σ `r·r_next`) for given parameters.
-fn residual<const N: usize>(matrix: &[Column; COLUMNS], parameters: &[f64; N]) -> f64 {
-    let mut direction = DRIVE_COLUMN;
-    for (column, parameter) in columns::<N>(parameters[2]).iter().zip(parameters) {
-        for (entry, part) in direction.iter_mut().zip(column) {
+#[inline(never)]
+fn residual_form<R: SolverReal, const N: usize>(matrix: &Matrix<R>, parameters: &[R; N]) -> R {
+    let mut direction = drive_column();
+    for (column, &parameter) in columns::<R, N>(parameters[2]).iter().zip(parameters) {
+        for (entry, &part) in direction.iter_mut().zip(column) {
             *entry -= parameter * part;
         }
     }
-    bilinear(matrix, &direction, &direction)
+    bilinear::<R>(matrix, &direction, &direction).rounded()
 }
 
 /// Inverse by Gauss-Jordan elimination with row pivoting; `None` when a pivot vanishes.
-fn invert<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
-    let mut inverse = [[0.0; N]; N];
+fn invert<R: SolverReal, const N: usize>(mut a: [[R; N]; N]) -> Option<[[R; N]; N]> {
+    let mut inverse = [[R::ZERO; N]; N];
     for (k, line) in inverse.iter_mut().enumerate() {
-        line[k] = 1.0;
+        line[k] = R::ONE;
     }
     for k in 0..N {
-        let pivot = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
+        let mut pivot = k;
+        for i in k + 1..N {
+            if a[i][k].abs() > a[pivot][k].abs() {
+                pivot = i;
+            }
+        }
         a.swap(k, pivot);
         inverse.swap(k, pivot);
-        let scale = 1.0 / a[k][k];
+        let scale = R::ONE / a[k][k];
         if !scale.is_finite() {
             return None;
         }
@@ -449,8 +506,9 @@ fn invert<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
         for i in (0..N).filter(|&i| i != k) {
             let factor = a[i][k];
             for j in 0..N {
-                a[i][j] -= factor * a[k][j];
-                inverse[i][j] -= factor * inverse[k][j];
+                let (left, right) = (a[k][j], inverse[k][j]);
+                a[i][j] -= factor * left;
+                inverse[i][j] -= factor * right;
             }
         }
     }
@@ -458,12 +516,14 @@ fn invert<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
 }
 
 /// inverse·meat·inverseᵀ.
-fn sandwich<const N: usize>(inverse: &[[f64; N]; N], meat: &[[f64; N]; N]) -> [[f64; 4]; 4] {
-    let mut covariance = [[0.0; 4]; 4];
+fn sandwich<R: SolverReal, const N: usize>(inverse: &[[R; N]; N], meat: &[[R; N]; N]) -> [[R; 4]; 4] {
+    let mut covariance = [[R::ZERO; 4]; 4];
     for (line, left) in covariance.iter_mut().zip(inverse) {
         for (entry, right) in line.iter_mut().zip(inverse) {
             for (row, &a) in meat.iter().zip(left) {
-                *entry += a * row.iter().zip(right).map(|(value, b)| value * b).sum::<f64>();
+                for (&value, &b) in row.iter().zip(right) {
+                    *entry += a * value * b;
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::columns::SineModel;
 use super::grid;
 use super::normal::Normal;
-use super::refine::{Border, Point, refine};
+use super::refine::{Border, Point, Resolution, refine};
 use super::result::{Scales, SineFit};
 use super::{MIN_CYCLES_FIXED, MIN_CYCLES_FREE, SineError};
 use core::f64::consts::{PI, TAU};
@@ -142,7 +142,7 @@ impl Extent {
     fn nyquist(self) -> f64 {
         0.5 * PI * (self.samples - 1) as f64
     }
-    fn scales(self, model: SineModel, free: bool) -> Scales {
+    fn scales(self, model: SineModel, free: bool) -> Scales<f64> {
         Scales {
             signal: self.signal_scale(model),
             reference: if model.offset { self.middle } else { 0.0 },
@@ -173,8 +173,8 @@ fn evaluate<const N: usize>(
     samples: &(impl Iterator<Item = (f64, f64)> + Clone),
     model: SineModel,
     omega: f64,
-) -> Option<Point<N>> {
-    let mut normal = Normal::<N>::EMPTY;
+) -> Option<Point<f64, N>> {
+    let mut normal = Normal::<f64, N>::EMPTY;
     for (tau, y) in samples.clone() {
         let (sin, cos) = libm::sincos(omega * tau);
         normal.add(&model.row(sin, cos, tau), y);
@@ -221,7 +221,9 @@ where
     let scaled = extent.scaled(samples, model);
     let cell = grid::search::<N>(&scaled, model, low, high).ok_or(SineError::Singular)?;
     let freedom = (extent.samples - N - 1) as f64;
-    let found = refine(cell.low, cell.high, cell.best, freedom, |omega| evaluate::<N>(&scaled, model, omega));
+    let resolution = Resolution::of(cell.best);
+    let found =
+        refine(cell.low, cell.high, cell.best, resolution, freedom, |omega| evaluate::<N>(&scaled, model, omega));
     let Some((omega, point)) = found else {
         return Err(SineError::SearchEdge { omega_rad_s: cell.best / extent.half_s });
     };

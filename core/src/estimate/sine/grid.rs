@@ -83,8 +83,8 @@ fn explain<const N: usize>(
     segments: f64,
 ) -> [f64; BATCH] {
     let mut totals = [0.0; BATCH];
-    let mut sums = [Normal::<N>::EMPTY; BATCH];
-    let mut close = |sums: &mut [Normal<N>; BATCH]| {
+    let mut sums = [Normal::<f64, N>::EMPTY; BATCH];
+    let mut close = |sums: &mut [Normal<f64, N>; BATCH]| {
         for (total, sum) in totals.iter_mut().zip(sums.iter_mut()) {
             if let Some((_, _, explained)) = sum.solve() {
                 *total += explained;

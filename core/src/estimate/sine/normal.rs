@@ -1,32 +1,35 @@
 //! Normal equations of a small linear least-squares problem, by Cholesky factors.
 
+use crate::scalar::SolverReal;
+
 /// Sums of a least-squares problem with `N` columns.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Normal<const N: usize> {
+pub(super) struct Normal<R, const N: usize> {
     /// Lower triangle of XᵀX.
-    gram: [[f64; N]; N],
+    gram: [[R; N]; N],
     /// Xᵀy.
-    rhs: [f64; N],
+    rhs: [R; N],
     /// Rows added.
     rows: usize,
 }
 
 /// Cholesky factor of XᵀX.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Factor<const N: usize> {
-    lower: [[f64; N]; N],
+pub(super) struct Factor<R, const N: usize> {
+    lower: [[R; N]; N],
 }
 
-/// A pivot below this share of its diagonal: the column is a combination of the others to the arithmetic's precision.
-const PIVOT: f64 = 1e-13;
+/// A pivot below this share of its diagonal, in roundings: the column is a combination of the others to the arithmetic's
+/// precision.
+const PIVOT: f64 = 450.0;
 
 // The loops run over two or three arrays by the same constant bound N, which iterators would hide.
 #[allow(clippy::needless_range_loop)]
-impl<const N: usize> Normal<N> {
-    pub(super) const EMPTY: Self = Self { gram: [[0.0; N]; N], rhs: [0.0; N], rows: 0 };
+impl<R: SolverReal, const N: usize> Normal<R, N> {
+    pub(super) const EMPTY: Self = Self { gram: [[R::ZERO; N]; N], rhs: [R::ZERO; N], rows: 0 };
 
     #[inline]
-    pub(super) fn add(&mut self, row: &[f64; N], y: f64) {
+    pub(super) fn add(&mut self, row: &[R; N], y: R) {
         for i in 0..N {
             for j in 0..=i {
                 self.gram[i][j] += row[i] * row[j];
@@ -36,25 +39,12 @@ impl<const N: usize> Normal<N> {
         self.rows += 1;
     }
 
-    /// vᵀGv = Σ(row·v)².
-    pub(super) fn square(&self, v: &[f64; N]) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..N {
-            let mut line = 0.5 * self.gram[i][i] * v[i];
-            for j in 0..i {
-                line += self.gram[i][j] * v[j];
-            }
-            sum += 2.0 * v[i] * line;
-        }
-        sum
-    }
-
     /// None if the columns are linearly dependent.
-    pub(super) fn factor(&self) -> Option<Factor<N>> {
+    pub(super) fn factor(&self) -> Option<Factor<R, N>> {
         if self.rows < N {
             return None;
         }
-        let mut lower = [[0.0; N]; N];
+        let mut lower = [[R::ZERO; N]; N];
         for i in 0..N {
             for j in 0..=i {
                 let mut sum = self.gram[i][j];
@@ -63,8 +53,8 @@ impl<const N: usize> Normal<N> {
                 }
                 if i == j {
                     // Written so that NaN is refused too.
-                    if sum > PIVOT * self.gram[i][i] {
-                        lower[i][i] = libm::sqrt(sum);
+                    if sum > self.gram[i][i] * R::EPSILON.scale(PIVOT) {
+                        lower[i][i] = sum.sqrt();
                     } else {
                         return None;
                     }
@@ -77,7 +67,7 @@ impl<const N: usize> Normal<N> {
     }
 
     /// The solution, its factor, and the part gᵀG⁻¹g of Σy² that it explains.
-    pub(super) fn solve(&self) -> Option<([f64; N], Factor<N>, f64)> {
+    pub(super) fn solve(&self) -> Option<([R; N], Factor<R, N>, R)> {
         let factor = self.factor()?;
         let theta = factor.solve(&self.rhs);
         let explained = dot(&theta, &self.rhs);
@@ -86,35 +76,39 @@ impl<const N: usize> Normal<N> {
 }
 
 #[allow(clippy::needless_range_loop)]
-impl<const N: usize> Factor<N> {
+impl<R: SolverReal, const N: usize> Factor<R, N> {
     /// G⁻¹·v.
-    pub(super) fn solve(&self, v: &[f64; N]) -> [f64; N] {
+    pub(super) fn solve(&self, v: &[R; N]) -> [R; N] {
         let mut x = *v;
         for i in 0..N {
             for k in 0..i {
                 x[i] -= self.lower[i][k] * x[k];
             }
-            x[i] /= self.lower[i][i];
+            x[i] = x[i] / self.lower[i][i];
         }
         for i in (0..N).rev() {
             for k in i + 1..N {
                 x[i] -= self.lower[k][i] * x[k];
             }
-            x[i] /= self.lower[i][i];
+            x[i] = x[i] / self.lower[i][i];
         }
         x
     }
 
     /// Column `j` of G⁻¹.
-    pub(super) fn inverse_column(&self, j: usize) -> [f64; N] {
-        let mut unit = [0.0; N];
+    pub(super) fn inverse_column(&self, j: usize) -> [R; N] {
+        let mut unit = [R::ZERO; N];
         if let Some(entry) = unit.get_mut(j) {
-            *entry = 1.0;
+            *entry = R::ONE;
         }
         self.solve(&unit)
     }
 }
 
-pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+pub(super) fn dot<R: SolverReal, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
+    let mut sum = R::ZERO;
+    for (&x, &y) in a.iter().zip(b) {
+        sum += x * y;
+    }
+    sum
 }

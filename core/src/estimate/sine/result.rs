@@ -4,45 +4,46 @@ use super::normal::{Factor, dot};
 use super::refine::Point;
 use super::{SineError, SineModel};
 use crate::estimate::angle::angle_of;
+use crate::scalar::SolverReal;
 use core::f64::consts::TAU;
 
-/// A fitted sine `y = A·sin(ω(t − t_ref) + θ) + d`.
+/// A fitted sine `y = A·sin(ω(t − t_ref) + θ) + d`, in f64 or f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SineFit {
+pub struct SineFit<R = f64> {
     /// A, in the signal's unit; > 0.
-    pub amplitude: f64,
+    pub amplitude: R,
     /// ω, rad/s.
-    pub omega_rad_s: f64,
+    pub omega_rad_s: R,
     /// θ with t_ref at the record's centre (midway between first and last sample), in −π..π. This is the phase that
     /// the data determine best: it does not depend on ω's error.
-    pub phase_centre_rad: f64,
+    pub phase_centre_rad: R,
     /// θ with t_ref at the first sample, in −π..π.
-    pub phase_start_rad: f64,
+    pub phase_start_rad: R,
     /// d, in the signal's unit (at the centre if there is drift); 0 if the model has no offset.
-    pub offset: f64,
+    pub offset: R,
     /// Slope, in the signal's unit per second, if asked for.
-    pub drift_per_s: Option<f64>,
+    pub drift_per_s: Option<R>,
     /// Third harmonic, if asked for.
-    pub third: Option<Harmonic>,
+    pub third: Option<Harmonic<R>>,
     /// Fifth harmonic, if asked for.
-    pub fifth: Option<Harmonic>,
+    pub fifth: Option<Harmonic<R>>,
     /// Residual standard deviation √(RSS/(N − k)), k the number of fitted parameters (memo erratum 6).
-    pub rms: f64,
+    pub rms: R,
     /// Periods in the record, ω·N·Ts/2π.
-    pub cycles: f64,
+    pub cycles: R,
     /// Samples used.
     pub samples: usize,
     /// One standard deviation of each parameter.
-    pub se: SineErrors,
+    pub se: SineErrors<R>,
 }
 
 /// A harmonic `A_h·sin(hω(t − t_c) + θ_h)`, t_c the record's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Harmonic {
+pub struct Harmonic<R = f64> {
     /// A_h, in the signal's unit.
-    pub amplitude: f64,
+    pub amplitude: R,
     /// θ_h, in −π..π.
-    pub phase_centre_rad: f64,
+    pub phase_centre_rad: R,
 }
 
 /// Standard errors: the Cramér–Rao bound of this record at the estimated noise, σ² = RSS/(N − k).
@@ -50,17 +51,17 @@ pub struct Harmonic {
 /// It is the full bound (the inverse Fisher information with all columns of the model), which for records of many
 /// cycles becomes the closed form of [`cramer_rao`]; at one cycle the offset and ω cost more than the closed form says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SineErrors {
+pub struct SineErrors<R = f64> {
     /// Of the amplitude.
-    pub amplitude: f64,
+    pub amplitude: R,
     /// Of ω, rad/s; 0 if ω was given.
-    pub omega_rad_s: f64,
+    pub omega_rad_s: R,
     /// Of the phase at the centre.
-    pub phase_centre_rad: f64,
+    pub phase_centre_rad: R,
     /// Of the phase at the first sample.
-    pub phase_start_rad: f64,
+    pub phase_start_rad: R,
     /// Of the offset.
-    pub offset: f64,
+    pub offset: R,
 }
 
 /// The closed-form Cramér–Rao bound of identification.md section 3 for many cycles of a sine of `amplitude` in white
@@ -82,63 +83,64 @@ pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f
 }
 
 /// Wraps an angle to −π..π.
-pub(super) fn wrap(angle: f64) -> f64 {
+pub(super) fn wrap<R: SolverReal>(angle: R) -> R {
     // Not `remainder`, a long division: what rounding leaves here is what it left in the angle.
-    angle - TAU * libm::round(angle / TAU)
+    angle - R::from_i64(angle.scale(1.0 / TAU).nearest()).scale(TAU)
 }
 
 /// What scales the dimensionless solution back to the record.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scales {
+pub(super) struct Scales<R> {
     /// Signal units per dimensionless unit, > 0.
-    pub signal: f64,
+    pub signal: R,
     /// Signal that was subtracted before.
-    pub reference: f64,
+    pub reference: R,
     /// Seconds per dimensionless unit of time, > 0.
-    pub time_s: f64,
+    pub time_s: R,
     /// From the first sample to the centre, in dimensionless time.
-    pub half: f64,
+    pub half: R,
     /// Samples used.
     pub samples: usize,
     /// Whether ω was fitted.
     pub free: bool,
 }
 
-impl SineFit {
+impl<R: SolverReal> SineFit<R> {
     /// Scales `point`, found at the dimensionless `omega` (2π/ω in units of time), whose sum of squared residuals is `rss`.
     pub(super) fn assemble<const N: usize>(
         model: SineModel,
-        omega: f64,
-        point: &Point<N>,
-        rss: f64,
-        scales: &Scales,
+        omega: R,
+        point: &Point<R, N>,
+        rss: R,
+        scales: &Scales<R>,
     ) -> Result<Self, SineError> {
-        let at = |i: usize| point.theta.get(i).copied().unwrap_or(0.0);
-        let size = |i: usize| libm::sqrt(at(i) * at(i) + at(i + 1) * at(i + 1));
+        let at = |i: usize| point.theta.get(i).copied().unwrap_or(R::ZERO);
+        let size = |i: usize| (at(i) * at(i) + at(i + 1) * at(i + 1)).sqrt();
         let amplitude = size(0);
-        if amplitude.is_nan() {
+        if !(at(0).is_finite() && at(1).is_finite()) {
             return Err(SineError::NotFinite);
         }
-        // Against unit signal power: what is below is the rounding of f64.
-        if amplitude < 1e-14 {
+        // Against unit signal power: what is below is rounding.
+        if amplitude < R::EPSILON.scale(45.0) {
             return Err(SineError::ZeroSignal);
         }
         let parameters = N + usize::from(scales.free);
-        let freedom = scales.samples.saturating_sub(parameters).max(1) as f64;
-        let variance = rss.max(0.0) / freedom;
+        let count = |n: usize| R::from_i64(n as i64);
+        let freedom = count(scales.samples.saturating_sub(parameters).max(1));
+        let variance = rss.max(R::ZERO) / freedom;
         let phase_centre = angle_of(at(0), at(1), amplitude);
         let (unit_p, unit_q) = (at(0) / amplitude, at(1) / amplitude);
         let covariance = Covariance {
             factor: &point.factor,
             shadow: &point.shadow,
-            omega: if scales.free { 1.0 / point.information } else { 0.0 },
+            omega: if scales.free { R::ONE / point.information } else { R::ZERO },
         };
         let along = covariance.pair(unit_p, unit_q);
         let across = covariance.pair(-unit_q / amplitude, unit_p / amplitude);
         let across_omega = covariance.pair_with_omega(-unit_q / amplitude, unit_p / amplitude);
-        let start = across - 2.0 * scales.half * across_omega + scales.half * scales.half * covariance.omega;
-        let sd = |v: f64| libm::sqrt((variance * v).max(0.0));
-        let span = 2.0 * scales.half * scales.samples as f64 / (scales.samples.saturating_sub(1).max(1)) as f64;
+        let start = across - scales.half.scale(2.0) * across_omega + scales.half * scales.half * covariance.omega;
+        let sd = |v: R| (variance * v).max(R::ZERO).sqrt();
+        let span = scales.half.scale(2.0) * count(scales.samples) / count(scales.samples.saturating_sub(1).max(1));
         let harmonic = |index: Option<usize>| {
             index.map(|i| Harmonic {
                 amplitude: scales.signal * size(i),
@@ -151,59 +153,59 @@ impl SineFit {
             omega_rad_s: omega / scales.time_s,
             phase_centre_rad: phase_centre,
             phase_start_rad: wrap(phase_centre - omega * scales.half),
-            offset: offset.map_or(0.0, |i| scales.reference + scales.signal * at(i)),
+            offset: offset.map_or(R::ZERO, |i| scales.reference + scales.signal * at(i)),
             drift_per_s: model.drift_index().map(|i| scales.signal * at(i) / scales.time_s),
             third: harmonic(model.third_index()),
             fifth: harmonic(model.fifth_index()),
-            rms: scales.signal * libm::sqrt(variance),
-            cycles: omega * span / TAU,
+            rms: scales.signal * variance.sqrt(),
+            cycles: (omega * span).scale(1.0 / TAU),
             samples: scales.samples,
             se: SineErrors {
                 amplitude: scales.signal * sd(along),
                 omega_rad_s: sd(covariance.omega) / scales.time_s,
                 phase_centre_rad: sd(across),
                 phase_start_rad: sd(start),
-                offset: offset.map_or(0.0, |i| scales.signal * sd(covariance.variance(i))),
+                offset: offset.map_or(R::ZERO, |i| scales.signal * sd(covariance.variance(i))),
             },
         };
         let finite = fit.amplitude.is_finite()
             && fit.omega_rad_s.is_finite()
             && fit.offset.is_finite()
             && fit.rms.is_finite()
-            && fit.drift_per_s.is_none_or(f64::is_finite);
+            && fit.drift_per_s.is_none_or(R::is_finite);
         if finite { Ok(fit) } else { Err(SineError::NotFinite) }
     }
 }
 
 /// Inverse of the information matrix bordered by ω, for unit noise: `G⁻¹ + v·vᵀ/s`, `−v/s`, `1/s`,
 /// v = G⁻¹Xᵀx_ω the shadow and s the information on ω.
-struct Covariance<'a, const N: usize> {
-    factor: &'a Factor<N>,
-    shadow: &'a [f64; N],
-    omega: f64,
+struct Covariance<'a, R, const N: usize> {
+    factor: &'a Factor<R, N>,
+    shadow: &'a [R; N],
+    omega: R,
 }
 
-impl<const N: usize> Covariance<'_, N> {
-    fn of(&self, direction: &[f64; N]) -> f64 {
+impl<R: SolverReal, const N: usize> Covariance<'_, R, N> {
+    fn of(&self, direction: &[R; N]) -> R {
         let shadow = dot(direction, self.shadow);
         dot(direction, &self.factor.solve(direction)) + shadow * shadow * self.omega
     }
-    fn direction(p: f64, q: f64) -> [f64; N] {
-        let mut out = [0.0; N];
+    fn direction(p: R, q: R) -> [R; N] {
+        let mut out = [R::ZERO; N];
         if let [first, second, ..] = out.as_mut_slice() {
             (*first, *second) = (p, q);
         }
         out
     }
-    fn pair(&self, p: f64, q: f64) -> f64 {
+    fn pair(&self, p: R, q: R) -> R {
         self.of(&Self::direction(p, q))
     }
-    fn pair_with_omega(&self, p: f64, q: f64) -> f64 {
+    fn pair_with_omega(&self, p: R, q: R) -> R {
         -dot(&Self::direction(p, q), self.shadow) * self.omega
     }
-    fn variance(&self, i: usize) -> f64 {
+    fn variance(&self, i: usize) -> R {
         let column = self.factor.inverse_column(i);
-        let shadow = self.shadow.get(i).copied().unwrap_or(0.0);
-        column.get(i).copied().unwrap_or(0.0) + shadow * shadow * self.omega
+        let shadow = self.shadow.get(i).copied().unwrap_or(R::ZERO);
+        column.get(i).copied().unwrap_or(R::ZERO) + shadow * shadow * self.omega
     }
 }

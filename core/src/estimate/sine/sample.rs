@@ -1,5 +1,6 @@
 //! Sums of one block, for each type of sample.
 
+use crate::scalar::SolverReal;
 use crate::scalar::nco;
 
 /// A sample that the streaming fit can sum: i32 counts (integer arithmetic only), f32 or f64.
@@ -34,11 +35,11 @@ pub trait Sample: Copy + core::fmt::Debug + sealed::Sealed {
     /// Adds the sums of a neighbouring block; false if an integer left its range.
     fn merge(into: &mut Self::Sums, other: &Self::Sums) -> bool;
     /// Σ y·cos φ, Σ y·sin φ, Σ y.
-    fn read(sums: &Self::Sums) -> [f64; 3];
+    fn read<R: SolverReal>(sums: &Self::Sums) -> [R; 3];
     /// Σ y².
-    fn read_power(power: &Self::Power) -> f64;
-    /// The sample as f64.
-    fn to_f64(self) -> f64;
+    fn read_power<R: SolverReal>(power: &Self::Power) -> R;
+    /// The sample as a solver's number.
+    fn to_real<R: SolverReal>(self) -> R;
 }
 
 mod sealed {
@@ -129,15 +130,17 @@ impl Sample for i32 {
         *into = CountSums { cos_q10, sin_q10, sum };
         !(a || b || c)
     }
-    fn read(sums: &CountSums) -> [f64; 3] {
-        let q10 = 1.0 / 1024.0;
-        [sums.cos_q10 as f64 * q10, sums.sin_q10 as f64 * q10, sums.sum as f64]
+    fn read<R: SolverReal>(sums: &CountSums) -> [R; 3] {
+        let q10 = |sum: i64| R::from_i64(sum).scale(1.0 / 1024.0);
+        [q10(sums.cos_q10), q10(sums.sin_q10), R::from_i64(sums.sum)]
     }
-    fn read_power(power: &u128) -> f64 {
-        *power as f64
+    fn read_power<R: SolverReal>(power: &u128) -> R {
+        // In two parts of 62 bits: what is above 2¹²⁴ is 2⁶² times the square of the largest count.
+        let part = |shift: u32| R::from_i64(((power >> shift) as i64) & (i64::MAX >> 1));
+        part(62).scale(4_611_686_018_427_387_904.0) + part(0)
     }
-    fn to_f64(self) -> f64 {
-        f64::from(self)
+    fn to_real<R: SolverReal>(self) -> R {
+        R::from_i64(i64::from(self))
     }
 }
 
@@ -205,15 +208,15 @@ macro_rules! float {
                 }
                 true
             }
-            fn read(sums: &Self::Sums) -> [f64; 3] {
+            fn read<R: SolverReal>(sums: &Self::Sums) -> [R; 3] {
                 let [c, s, d] = sums;
-                [c.value() * Q30, s.value() * Q30, d.value()]
+                [c.value() * Q30, s.value() * Q30, d.value()].map(R::from_f64)
             }
-            fn read_power(power: &Self::Power) -> f64 {
-                power.value()
+            fn read_power<R: SolverReal>(power: &Self::Power) -> R {
+                R::from_f64(power.value())
             }
-            fn to_f64(self) -> f64 {
-                f64::from(self)
+            fn to_real<R: SolverReal>(self) -> R {
+                R::from_f64(f64::from(self))
             }
         }
     };

@@ -10,14 +10,19 @@
 //! - `S/√S2              = Ks·Q/√S2`,  with `Kc, Ks = (D(ω−w) ± D(ω+w))/2`
 //!
 //! linear in (p, q, d) by `P = q·cos ωtc + p·sin ωtc`, `Q = p·cos ωtc − q·sin ωtc`, tc the block's centre.
+//!
+//! Angles are integers in fractions of a turn, and the frequency is the oscillator's plus a difference: so f32 loses
+//! nothing over a long record, whose angles it could not hold. Frequencies are given as half the angle per sample, in
+//! units of 2⁻⁶⁴ turn, because a block's centre may lie between two samples.
 
 use super::columns::SineModel;
-use super::normal::Normal;
-use super::refine::{Border, Point, refine};
+use super::normal::{Normal, dot};
+use super::refine::{Border, Point, Resolution, refine};
 use super::result::{Scales, SineFit};
 use super::{MIN_CYCLES_FREE, SineError};
-use crate::estimate::angle::sin_cos;
+use crate::estimate::angle::{RADIANS, sin_cos_of_turns};
 use crate::scalar::nco::Nco;
+use crate::scalar::{ExactSum, SolverReal};
 use core::f64::consts::{PI, TAU};
 
 /// Linear parameters: p, q, d.
@@ -25,13 +30,13 @@ const N: usize = 3;
 
 /// What the solution needs to know beside the blocks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Record {
+pub(super) struct Record<R> {
     pub nco: Nco,
-    pub sample_period_s: f64,
+    pub sample_period_s: R,
     pub samples: u64,
     /// Σ (y − reference)².
-    pub power: f64,
-    pub reference: f64,
+    pub power: R,
+    pub reference: R,
     /// B.
     pub capacity: usize,
     /// Whether neighbours have been paired: blocks may be longer than a quarter period.
@@ -40,72 +45,80 @@ pub(super) struct Record {
 
 /// One block, its phasor turned to its own centre.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Block {
-    /// Centre, in samples from the record's first.
-    centre: f64,
+pub(super) struct Block<R> {
+    /// Twice the centre, in samples from the record's first.
+    twice_centre: u64,
     length: u64,
-    cos: f64,
-    sin: f64,
-    sum: f64,
+    cos: R,
+    sin: R,
+    sum: R,
 }
 
-impl Block {
+impl<R: SolverReal> Block<R> {
     /// A block of `length` samples from sample `start` on, with its sums Σy·cos φ, Σy·sin φ, Σy.
-    pub(super) fn new(nco: Nco, start: u64, length: u64, [cos, sin, sum]: [f64; 3]) -> Self {
-        // The phase at the centre, exactly: the centre may lie between two samples, so in half steps modulo 2³³.
+    pub(super) fn new(nco: Nco, start: u64, length: u64, [cos, sin, sum]: [R; 3]) -> Self {
         let twice_centre = 2_u64.wrapping_mul(start).wrapping_add(length).wrapping_sub(1);
-        let half_steps = u64::from(nco.word()).wrapping_mul(twice_centre) & ((1 << 33) - 1);
-        let (s, c) = sin_cos(half_steps as f64 * (TAU / 8_589_934_592.0));
-        Self { centre: 0.5 * twice_centre as f64, length, cos: cos * c + sin * s, sin: sin * c - cos * s, sum }
+        let (s, c) = sin_cos_of_turns::<R>(half_angle(nco).wrapping_mul(twice_centre));
+        Self { twice_centre, length, cos: cos * c + sin * s, sin: sin * c - cos * s, sum }
     }
 }
 
-/// `D(α) = Σ cos αm = sin(αL/2)/sin(α/2)` over L samples centred on 0, and dD/dα; |α| < 2π.
-fn dirichlet(alpha: f64, length: f64) -> (f64, f64) {
+/// Half the oscillator's angle per sample, in units of 2⁻⁶⁴ turn.
+fn half_angle(nco: Nco) -> u64 {
+    u64::from(nco.word()) << 31
+}
+
+/// An integer number of samples.
+fn count<R: SolverReal>(samples: u64) -> R {
+    R::from_i64(samples as i64)
+}
+
+/// `D(α) = Σ cos αm = sin(αL/2)/sin(α/2)` over L samples centred on 0, and dD/dα; |α| < 2π. `half` is α/2 in units of
+/// 2⁻⁶⁴ turn.
+fn dirichlet<R: SolverReal>(half: u64, samples: u64) -> (R, R) {
+    let (alpha, length) = (R::from_i64(half as i64).scale(2.0 * RADIANS), count::<R>(samples));
     let x = alpha * length;
-    if x.abs() < 0.03 {
-        // Power series in α; the next terms are 2e-15 of D, and 2e-10 of a slope that is itself next to 0.
-        let m2 = length * (length * length - 1.0) / 12.0;
-        let m4 = m2 * (3.0 * length * length - 7.0) / 20.0;
+    if x.abs() < R::SMALL_ANGLE {
+        // Power series in α; the next terms are 2e-15 of D, and 2e-10 of a slope that is itself next to 0 (f32: 1e-7 and
+        // 2e-5).
+        let m2 = length * (length * length - R::ONE).scale(1.0 / 12.0);
+        let m4 = m2 * ((length * length).scale(3.0) - R::from_f64(7.0)).scale(1.0 / 20.0);
         let a2 = alpha * alpha;
-        return (length - a2 * (m2 / 2.0 - a2 * m4 / 24.0), -alpha * (m2 - a2 * m4 / 6.0));
+        return (length - a2 * (m2.scale(0.5) - a2 * m4.scale(1.0 / 24.0)), -alpha * (m2 - a2 * m4.scale(1.0 / 6.0)));
     }
-    let (sin_l, cos_l) = sin_cos(0.5 * x);
-    let (sin, cos) = sin_cos(0.5 * alpha);
+    let (sin_l, cos_l) = sin_cos_of_turns::<R>(half.wrapping_mul(samples));
+    let (sin, cos) = sin_cos_of_turns::<R>(half);
     let sum = sin_l / sin;
-    (sum, 0.5 * (length * cos_l - sum * cos) / sin)
+    (sum, (length * cos_l - sum * cos).scale(0.5) / sin)
 }
 
 /// What depends on a block's length alone.
 #[derive(Clone, Copy, Debug)]
-struct Geometry {
-    length: f64,
+struct Geometry<R> {
+    samples: u64,
     /// D(w)/L.
-    mean_cos: f64,
+    mean_cos: R,
     /// 1/√L, 1/√V, 1/√S2.
-    weight_sum: f64,
-    weight_cos: f64,
-    weight_sin: f64,
+    weight_sum: R,
+    weight_cos: R,
+    weight_sin: R,
+    /// L/√L.
+    offset: R,
 }
 
-impl Geometry {
-    fn new(w: f64, length: u64) -> Self {
-        let length = length as f64;
-        let (single, _) = dirichlet(w, length);
-        let (double, _) = dirichlet(2.0 * w, length);
+impl<R: SolverReal> Geometry<R> {
+    fn new(w: u64, samples: u64) -> Self {
+        let length = count::<R>(samples);
+        let (single, _) = dirichlet::<R>(w, samples);
+        let (double, _) = dirichlet::<R>(2 * w, samples);
         let mean_cos = single / length;
-        let v = 0.5 * (length + double) - single * mean_cos;
-        let s2 = 0.5 * (length - double);
-        Self {
-            length,
-            mean_cos,
-            weight_sum: 1.0 / libm::sqrt(length),
-            weight_cos: 1.0 / libm::sqrt(v),
-            weight_sin: 1.0 / libm::sqrt(s2),
-        }
+        let v = (length + double).scale(0.5) - single * mean_cos;
+        let s2 = (length - double).scale(0.5);
+        let [weight_sum, weight_cos, weight_sin] = [length, v, s2].map(|power| R::ONE / power.sqrt());
+        Self { samples, mean_cos, weight_sum, weight_cos, weight_sin, offset: length * weight_sum }
     }
     /// The whitened sums of a block.
-    fn whiten(&self, block: &Block) -> [f64; 3] {
+    fn whiten(&self, block: &Block<R>) -> [R; 3] {
         [
             block.sum * self.weight_sum,
             (block.cos - block.sum * self.mean_cos) * self.weight_cos,
@@ -116,23 +129,20 @@ impl Geometry {
 
 /// Response of the whitened sums of blocks of one length to a sine at ω, with the derivative by ω.
 #[derive(Clone, Copy, Debug)]
-struct Response {
-    offset: f64,
-    sum: (f64, f64),
-    cos: (f64, f64),
-    sin: (f64, f64),
+struct Response<R> {
+    sum: (R, R),
+    cos: (R, R),
+    sin: (R, R),
 }
 
-impl Response {
-    fn new(geometry: &Geometry, w: f64, omega: f64) -> Self {
-        let difference = dirichlet(omega - w, geometry.length);
-        let total = dirichlet(omega + w, geometry.length);
-        let own = dirichlet(omega, geometry.length);
+impl<R: SolverReal> Response<R> {
+    fn new(geometry: &Geometry<R>, w: u64, omega: u64) -> Self {
+        let [difference, total, own] =
+            [omega.wrapping_sub(w), omega + w, omega].map(|half| dirichlet::<R>(half, geometry.samples));
         let mean = geometry.mean_cos;
-        let cos = |d: f64, t: f64, o: f64| (0.5 * (d + t) - mean * o) * geometry.weight_cos;
-        let sin = |d: f64, t: f64| 0.5 * (d - t) * geometry.weight_sin;
+        let cos = |d: R, t: R, o: R| ((d + t).scale(0.5) - mean * o) * geometry.weight_cos;
+        let sin = |d: R, t: R| (d - t).scale(0.5) * geometry.weight_sin;
         Self {
-            offset: geometry.length * geometry.weight_sum,
             sum: (own.0 * geometry.weight_sum, own.1 * geometry.weight_sum),
             cos: (cos(difference.0, total.0, own.0), cos(difference.1, total.1, own.1)),
             sin: (sin(difference.0, total.0), sin(difference.1, total.1)),
@@ -141,151 +151,170 @@ impl Response {
 }
 
 /// Called with a row, its derivative by ω and the whitened value.
-type Visitor<'a> = dyn FnMut(&[f64; N], &[f64; N], f64) + 'a;
+type Visitor<'a, R> = dyn FnMut(&[R; N], &[R; N], R) + 'a;
 
 /// The weighted least-squares problem.
-struct Problem<'a> {
-    blocks: &'a [Block],
-    w: f64,
-    /// The record's centre, in samples.
-    centre: f64,
+struct Problem<'a, R> {
+    blocks: &'a [Block<R>],
+    w: u64,
+    /// Twice the record's centre, in samples.
+    twice_centre: u64,
     /// All blocks but the last, and the last.
-    geometry: [Geometry; 2],
+    geometry: [Geometry<R>; 2],
     last: u64,
 }
 
-impl Problem<'_> {
+impl<R: SolverReal> Problem<'_, R> {
+    /// The frequency that differs from the oscillator's by `delta` rad/sample.
+    fn omega(&self, delta: R) -> u64 {
+        self.w.wrapping_add_signed(R::turns(delta.scale(0.5)))
+    }
+
+    /// The geometry of a block, and which of the two it is.
+    fn geometry(&self, block: &Block<R>) -> (&Geometry<R>, bool) {
+        let [regular, last] = &self.geometry;
+        if block.length == self.last { (last, true) } else { (regular, false) }
+    }
+
     /// Calls `visit` with (row, d row/dω, whitened value) for the three rows of each block.
     ///
     /// One copy for all who visit: in place it would be four times as much code on a microcontroller.
     #[inline(never)]
-    fn rows(&self, omega: f64, visit: &mut Visitor<'_>) {
-        let [regular, last] = &self.geometry;
-        let responses = [Response::new(regular, self.w, omega), Response::new(last, self.w, omega)];
+    fn rows(&self, delta: R, visit: &mut Visitor<'_, R>) {
+        let omega = self.omega(delta);
+        let [regular, shorter] = self.geometry.each_ref().map(|geometry| Response::new(geometry, self.w, omega));
         for block in self.blocks {
-            let (geometry, response) =
-                if block.length == self.last { (last, &responses[1]) } else { (regular, &responses[0]) };
-            let t = block.centre - self.centre;
-            let (s, c) = sin_cos(omega * t);
+            let (geometry, last) = self.geometry(block);
+            let response = if last { &shorter } else { &regular };
+            let twice = block.twice_centre.wrapping_sub(self.twice_centre);
+            let t = R::from_i64(twice as i64).scale(0.5);
+            let (s, c) = sin_cos_of_turns::<R>(omega.wrapping_mul(twice));
             let [sum, cos, sin] = geometry.whiten(block);
             // P = p·s + q·c and dP/dω = t·Q; Q = p·c − q·s and dQ/dω = −t·P.
-            let p_row = |(k, dk): (f64, f64), offset: f64| {
-                ([k * s, k * c, offset], [dk * s + k * t * c, dk * c - k * t * s, 0.0])
+            let p_row = |(k, dk): (R, R), offset: R| {
+                ([k * s, k * c, offset], [dk * s + k * t * c, dk * c - k * t * s, R::ZERO])
             };
-            let (row, slope) = p_row(response.sum, response.offset);
+            let (row, slope) = p_row(response.sum, geometry.offset);
             visit(&row, &slope, sum);
-            let (row, slope) = p_row(response.cos, 0.0);
+            let (row, slope) = p_row(response.cos, R::ZERO);
             visit(&row, &slope, cos);
             let (k, dk) = response.sin;
-            visit(&[k * c, -k * s, 0.0], &[dk * c - k * t * s, -dk * s - k * t * c, 0.0], sin);
+            visit(&[k * c, -k * s, R::ZERO], &[dk * c - k * t * s, -dk * s - k * t * c, R::ZERO], sin);
         }
     }
 
     #[inline(never)]
-    fn normal(&self, omega: f64) -> Normal<N> {
+    fn normal(&self, delta: R) -> Normal<R, N> {
         let mut normal = Normal::EMPTY;
-        self.rows(omega, &mut |row, _, y| normal.add(row, y));
+        self.rows(delta, &mut |row, _, y| normal.add(row, y));
         normal
     }
 
-    fn explained(&self, omega: f64) -> f64 {
-        self.normal(omega).solve().map_or(0.0, |(_, _, explained)| explained)
+    fn explained(&self, delta: R) -> R {
+        self.normal(delta).solve().map_or(R::ZERO, |(_, _, explained)| explained)
     }
 
-    fn evaluate(&self, omega: f64) -> Option<Point<N>> {
-        let mut border = Border::new(&self.normal(omega))?;
-        self.rows(omega, &mut |row, slope, y| {
-            let along = super::normal::dot(slope, border.theta());
+    fn evaluate(&self, delta: R) -> Option<Point<R, N>> {
+        let mut border = Border::new(&self.normal(delta))?;
+        self.rows(delta, &mut |row, slope, y| {
+            let along = dot(slope, border.theta());
             border.add(row, along, y);
         });
         Some(border.point())
     }
 
-    /// Σ of squares of the model over the blocks' whitened sums: what they can see of it.
-    fn seen(&self, omega: f64, theta: &[f64; N]) -> f64 {
-        self.normal(omega).square(theta)
+    /// Σ of squares of the blocks' whitened sums, and of the model over them: what they can see of it.
+    fn seen(&self, delta: R, theta: &[R; N]) -> (R::Sum, R::Sum) {
+        let mut sums = (R::Sum::default(), R::Sum::default());
+        self.rows(delta, &mut |row, _, y| {
+            let model = dot(row, theta);
+            sums = (sums.0.plus(R::Sum::product(y, y)), sums.1.plus(R::Sum::product(model, model)));
+        });
+        sums
     }
 }
 
-/// Σ over all samples of the squared model, about the record's centre.
-fn model_power([p, q, d]: &[f64; N], omega: f64, samples: f64) -> f64 {
-    let (single, _) = dirichlet(omega, samples);
-    let (double, _) = dirichlet(2.0 * omega, samples);
-    0.5 * (p * p * (samples - double) + q * q * (samples + double)) + d * (d * samples + 2.0 * q * single)
+/// Σ over all samples of the squared model, about the record's centre, at half the angle per sample `half`.
+fn model_power<R: SolverReal>(&[p, q, d]: &[R; N], half: u64, samples: u64) -> R {
+    let length = count::<R>(samples);
+    let (single, _) = dirichlet::<R>(half, samples);
+    let (double, _) = dirichlet::<R>(half.wrapping_mul(2), samples);
+    (p * p * (length - double) + q * q * (length + double)).scale(0.5) + d * (d * length + q.scale(2.0) * single)
 }
 
 /// Solves the blocks of a record; scales them in place.
-pub(super) fn fit(record: &Record, blocks: &mut [Block]) -> Result<SineFit, SineError> {
-    let samples = record.samples as f64;
+pub(super) fn fit<R: SolverReal>(record: &Record<R>, blocks: &mut [Block<R>]) -> Result<SineFit<R>, SineError> {
+    let samples = count::<R>(record.samples);
     let finite = blocks.iter().all(|b| b.cos.is_finite() && b.sin.is_finite() && b.sum.is_finite());
     if !(finite && record.power.is_finite() && record.reference.is_finite()) {
         return Err(SineError::NotFinite);
     }
-    let scale = libm::sqrt(record.power / samples);
-    if scale <= 0.0 {
+    let scale = (record.power / samples).sqrt();
+    if scale <= R::ZERO {
         return Err(SineError::ZeroSignal);
     }
     for block in blocks.iter_mut() {
-        block.cos /= scale;
-        block.sin /= scale;
-        block.sum /= scale;
+        block.cos = block.cos / scale;
+        block.sin = block.sin / scale;
+        block.sum = block.sum / scale;
     }
     let (Some(first), Some(last)) = (blocks.first(), blocks.last()) else {
         return Err(SineError::ZeroSignal);
     };
-    let w = record.nco.radians_per_sample();
+    let w = half_angle(record.nco);
     let problem = Problem {
         blocks,
         w,
-        centre: 0.5 * (samples - 1.0),
+        twice_centre: record.samples.wrapping_sub(1),
         geometry: [Geometry::new(w, first.length), Geometry::new(w, last.length)],
         last: last.length,
     };
-    let count = blocks.len() as f64;
-    let freedom = (3.0 * count - 4.0).max(1.0);
-    let cell = search(&problem, samples, count)?;
-    let to_rad_s = |omega: f64| omega / record.sample_period_s;
-    let Some((omega, point)) = refine(cell.0, cell.2, cell.1, freedom, |omega| problem.evaluate(omega)) else {
+    let w_rad = R::from_i64(w as i64).scale(2.0 * RADIANS);
+    let blocks = count::<R>(blocks.len() as u64);
+    let freedom = (blocks.scale(3.0) - R::from_f64(4.0)).max(R::ONE);
+    let cell = search(&problem, w_rad, samples, blocks)?;
+    let to_rad_s = |delta: R| ((w_rad + delta) / record.sample_period_s).to_f64();
+    let resolution = Resolution::of(w_rad);
+    let found = refine(cell.0, cell.2, cell.1, resolution, freedom, |delta| problem.evaluate(delta));
+    let Some((delta, point)) = found else {
         return Err(SineError::SearchEdge { omega_rad_s: to_rad_s(cell.1) });
     };
-    let cycles = omega * samples / TAU;
+    let omega = w_rad + delta;
+    let cycles = (omega * samples).scale(1.0 / TAU);
     // Noise may take one cycle a little below one; the limit itself is generous.
-    if cycles < MIN_CYCLES_FREE {
-        return Err(SineError::TooFewCycles { cycles, needed: MIN_CYCLES_FREE });
+    if cycles < R::from_f64(MIN_CYCLES_FREE) {
+        return Err(SineError::TooFewCycles { cycles: cycles.to_f64(), needed: MIN_CYCLES_FREE });
     }
-    let whitened: f64 = blocks
-        .iter()
-        .map(|block| {
-            let i = usize::from(block.length == problem.last);
-            let [a, b, c] = problem.geometry.get(i).map_or([0.0; 3], |g| g.whiten(block));
-            a * a + b * b + c * c
-        })
-        .sum();
-    let hidden_model = model_power(&point.theta, omega, samples) - problem.seen(omega, &point.theta);
+    let (whitened, seen) = problem.seen(delta, &point.theta);
+    let model = model_power(&point.theta, problem.omega(delta), record.samples);
+    // Differences of nearly equal powers.
+    let less = |power: R, sum: R::Sum| R::Sum::product(power, R::ONE).plus(sum.times(-R::ONE));
+    let hidden_model = less(model, seen).rounded();
+    let within = R::Sum::product(record.power / (scale * scale), R::ONE);
+    let within = within.plus(whitened.times(-R::ONE)).plus(R::Sum::product(hidden_model, -R::ONE));
     let noise = Noise {
-        within: (samples - whitened - hidden_model).max(0.0),
-        within_freedom: (samples - 3.0 * count).max(0.0),
+        within: within.rounded().max(R::ZERO),
+        within_freedom: (samples - blocks.scale(3.0)).max(R::ZERO),
         between: point.rss,
         between_freedom: freedom,
-        hidden_model: hidden_model.max(0.0),
+        hidden_model: hidden_model.max(R::ZERO),
     };
-    if record.doubled && is_alias(&point, noise.within / noise.within_freedom.max(1.0)) {
+    if record.doubled && is_alias(&point, noise.within / noise.within_freedom.max(R::ONE)) {
         return Err(SineError::OutOfReach);
     }
-    let error = (omega - w).abs() / w;
-    if 8.0 * cycles * error > record.capacity as f64 {
-        return Err(SineError::Recentre { omega_rad_s: to_rad_s(omega) });
+    if cycles.scale(8.0) * delta.abs() > R::from_i64(record.capacity as i64) * w_rad {
+        return Err(SineError::Recentre { omega_rad_s: to_rad_s(delta) });
     }
     SineFit::assemble(
         SineModel::default(),
         omega,
         &point,
-        noise.variance() * (samples - 4.0),
+        noise.variance() * (samples - R::from_f64(4.0)),
         &Scales {
             signal: scale,
             reference: record.reference,
             time_s: record.sample_period_s,
-            half: problem.centre,
+            half: (samples - R::ONE).scale(0.5),
             samples: usize::try_from(record.samples).unwrap_or(usize::MAX),
             free: true,
         },
@@ -293,60 +322,62 @@ pub(super) fn fit(record: &Record, blocks: &mut [Block]) -> Result<SineFit, Sine
 }
 
 /// Two independent sources of the noise variance.
-struct Noise {
+struct Noise<R> {
     /// Power that the blocks' sums do not see, less the model's own part of it.
-    within: f64,
-    within_freedom: f64,
+    within: R,
+    within_freedom: R,
     /// Residual of the blocks' sums.
-    between: f64,
-    between_freedom: f64,
+    between: R,
+    between_freedom: R,
     /// Power of the model that the blocks' sums do not see.
-    hidden_model: f64,
+    hidden_model: R,
 }
 
-impl Noise {
+impl<R: SolverReal> Noise<R> {
     /// Their mean by inverse variance. The product of noise and hidden model is not known from the sums, so with a
     /// hidden power H the variance of `within` is 2σ⁴n + 4σ²H instead of 2σ⁴n: at 60 dB and ω0 off by 3 % it would be
     /// worth nothing, and the blocks' residual alone is left.
-    fn variance(&self) -> f64 {
+    fn variance(&self) -> R {
         let between = self.between / self.between_freedom;
         let n = self.within_freedom;
-        if n < 1.0 {
+        if n < R::ONE {
             return between;
         }
-        let weight =
-            if self.hidden_model <= 0.0 { n } else { n * n * between / (n * between + 2.0 * self.hidden_model) };
+        let hidden = self.hidden_model.scale(2.0);
+        let weight = if hidden <= R::ZERO { n } else { n * (n * between / (n * between + hidden)) };
         (weight * self.within / n + self.between) / (weight + self.between_freedom)
     }
 }
 
 /// Whether the sine found is an alias: a frequency that dephases by more than 3/4 of a cycle per block appears at
 /// another one with less than a tenth of its power, and the rest varies within the blocks.
-fn is_alias(point: &Point<N>, inside: f64) -> bool {
+fn is_alias<R: SolverReal>(point: &Point<R, N>, inside: R) -> bool {
     let [p, q, _] = point.theta;
-    0.5 * (p * p + q * q) < 0.1 * inside
+    (p * p + q * q).scale(5.0) < inside
 }
 
-/// Grid of 1/(4T) over 0.5..2 times the oscillator's frequency, as far as a block dephases by half a cycle.
-fn search(problem: &Problem<'_>, samples: f64, count: f64) -> Result<(f64, f64, f64), SineError> {
-    let w = problem.w;
-    let reach = 0.5 * count * TAU / samples;
-    let shortest = 0.5 * MIN_CYCLES_FREE * TAU / samples;
-    let low = (0.5 * w).max(w - reach).max(shortest);
-    let high = (2.0 * w).min(w + reach).min(0.95 * PI);
-    if high * samples < MIN_CYCLES_FREE * TAU {
-        return Err(SineError::TooFewCycles { cycles: high * samples / TAU, needed: MIN_CYCLES_FREE });
+/// Grid of 1/(4T) over 0.5..2 times the oscillator's frequency, as far as a block dephases by half a cycle; differences
+/// from the oscillator's frequency.
+fn search<R: SolverReal>(problem: &Problem<'_, R>, w: R, samples: R, blocks: R) -> Result<(R, R, R), SineError> {
+    let turn = R::from_f64(TAU) / samples;
+    let reach = (blocks * turn).scale(0.5);
+    let shortest = turn.scale(0.5 * MIN_CYCLES_FREE) - w;
+    let low = w.scale(-0.5).max(-reach).max(shortest);
+    let high = w.min(reach).min(R::from_f64(0.95 * PI) - w);
+    if (w + high) * samples < R::from_f64(MIN_CYCLES_FREE * TAU) {
+        let cycles = ((w + high) * samples).scale(1.0 / TAU).to_f64();
+        return Err(SineError::TooFewCycles { cycles, needed: MIN_CYCLES_FREE });
     }
-    let cells = libm::ceil((high - low) / (0.25 * TAU / samples)).max(2.0);
-    let step = (high - low) / cells;
-    let mut best = (low, 0.0);
-    for k in 0..=cells as u32 {
-        let omega = low + step * f64::from(k);
-        let explained = problem.explained(omega);
+    let cells = ((high - low) / turn.scale(0.25) + R::from_f64(0.5)).nearest().max(2);
+    let step = (high - low) / R::from_i64(cells);
+    let mut best = (low, R::ZERO);
+    for k in 0..=cells {
+        let delta = low + step * R::from_i64(k);
+        let explained = problem.explained(delta);
         if explained > best.1 {
-            best = (omega, explained);
+            best = (delta, explained);
         }
     }
-    let omega = best.0;
-    Ok(((omega - step).max(low), omega, (omega + step).min(high)))
+    let delta = best.0;
+    Ok(((delta - step).max(low), delta, (delta + step).min(high)))
 }

@@ -2,12 +2,13 @@
 //!
 //! An oscillator at ω0 demodulates the samples into at most `B` blocks, each with Σy·cos, Σy·sin, Σy; the first blocks
 //! are a quarter period long. When all are used, neighbours are added in pairs and the length doubles: the oscillator's
-//! phase is global, so this is an addition. [`StreamingSine::fit`] then solves for A, ω, θ and d in f64, in a time that
-//! does not depend on the record's length.
+//! phase is global, so this is an addition. [`StreamingSine::fit`] then solves for A, ω, θ and d, in f64 or (on the
+//! microcontroller) in f32, in a time that does not depend on the record's length.
 
 use super::sample::Sample;
 use super::solve::{self, Block};
 use super::{SineError, SineFit};
+use crate::scalar::SolverReal;
 use crate::scalar::nco::{Nco, NcoError};
 
 /// Fewest samples of a first block: sine, cosine and constant need three to be told apart, four to be so with ease.
@@ -16,6 +17,10 @@ const SHORTEST_BLOCK: u64 = 4;
 const FEWEST_SAMPLES: u64 = 2 * SHORTEST_BLOCK;
 
 /// Configuration of a streaming fit: the demodulation frequency and the clock. The state is a [`BlockSums`].
+///
+/// `R` is the number that the fit is solved in. In f32 a residual below 3e-4 of the amplitude is lost in rounding (standard
+/// errors at 60 dB are off by 11 %); A, ω and d are good to 1e-6, and the limit cycle of a relay, with 4 % of harmonics,
+/// has standard errors good to 1e-3.
 ///
 /// ```
 /// use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
@@ -30,9 +35,9 @@ const FEWEST_SAMPLES: u64 = 2 * SHORTEST_BLOCK;
 /// # Ok::<(), breakaway_core::estimate::sine::SineError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StreamingSine {
+pub struct StreamingSine<R = f64> {
     nco: Nco,
-    sample_period_s: f64,
+    sample_period_s: R,
     first_block: u64,
 }
 
@@ -114,13 +119,24 @@ impl StreamingSine {
         if nco.word() > 1 << 30 {
             return Err(limit);
         }
+        Ok(Self::around(nco, sample_period_s))
+    }
+}
+
+impl<R: SolverReal> StreamingSine<R> {
+    /// A fit around a period of `samples` samples, at least 4; in integers.
+    pub fn of_period(samples: u32, sample_period_s: R) -> Option<Self> {
+        (samples >= 4).then(|| Self::around(Nco::of_period(samples), sample_period_s))
+    }
+
+    fn around(nco: Nco, sample_period_s: R) -> Self {
         let quarter = ((1_u64 << 30) + u64::from(nco.word()) / 2) / u64::from(nco.word().max(1));
-        Ok(Self { nco, sample_period_s, first_block: quarter.max(SHORTEST_BLOCK) })
+        Self { nco, sample_period_s, first_block: quarter.max(SHORTEST_BLOCK) }
     }
 
     /// The frequency of the oscillator, rad/s: the one asked for, to 2⁻³³ of the sampling rate.
     pub fn omega_rad_s(&self) -> f64 {
-        self.nco.radians_per_sample() / self.sample_period_s
+        self.nco.radians_per_sample() / self.sample_period_s.to_f64()
     }
 
     /// Takes one sample: [`StreamingSine::push_slice`] of one. Bounded time, no division; integers only if `S` is i32.
@@ -172,7 +188,7 @@ impl StreamingSine {
     /// # Errors
     /// [`SineError`]: too few samples or cycles, values that are not finite, saturated integers, a constant signal, a
     /// frequency on the edge of the search range, or an ω0 too far off ([`SineError::Recentre`], if B < 8·M·|ε|).
-    pub fn fit<S: Sample, const B: usize>(&self, sums: &BlockSums<S, B>) -> Result<SineFit, SineError> {
+    pub fn fit<S: Sample, const B: usize>(&self, sums: &BlockSums<S, B>) -> Result<SineFit<R>, SineError> {
         let length = self.block_length(sums);
         let samples = (sums.full as u64).saturating_mul(length).saturating_add(sums.filled);
         let (Some(reference), false) = (sums.reference, samples < FEWEST_SAMPLES) else {
@@ -183,7 +199,7 @@ impl StreamingSine {
         }
         // A short last block would be all but singular: it is added to its neighbour.
         let alone = sums.filled >= SHORTEST_BLOCK && 2 * sums.filled >= length;
-        let mut blocks = [Block::default(); B];
+        let mut blocks = [Block::<R>::default(); B];
         let mut used = 0;
         for (i, (block, stored)) in blocks.iter_mut().zip(&sums.blocks).enumerate() {
             let start = (i as u64).saturating_mul(length);
@@ -210,7 +226,7 @@ impl StreamingSine {
             sample_period_s: self.sample_period_s,
             samples,
             power: S::read_power(&sums.power),
-            reference: reference.to_f64(),
+            reference: reference.to_real(),
             capacity: B,
             doubled: sums.doublings > 0,
         };

@@ -13,30 +13,79 @@ use crate::app::run::RunOrder;
 use crate::board::Wire;
 use crate::storage::Store;
 
-/// Answered at once, or once the tick has answered.
-enum Outcome<'a, P> {
-    Now(Reply),
-    Ask(Order<'a>, Then),
-    Run(RunOrder<P>, Bounds, Then),
-}
-
 impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
     #[inline(never)]
     pub(super) fn obey(&mut self, request: Request) {
         let Request { id, command } = request;
-        let outcome = command.validate().and_then(|()| self.decide(command));
-        match outcome {
-            Ok(Outcome::Now(reply)) => self.outbox.reply(id, reply),
-            Ok(Outcome::Ask(order, then)) => {
-                let taken = self.channels.orders.enqueue(order).is_ok();
-                self.asked(id, then, taken);
-            }
-            Ok(Outcome::Run(run, bounds, then)) => {
-                let taken = self.channels.runs.enqueue((run, bounds)).is_ok();
-                self.asked(id, then, taken);
-            }
-            Err(error) => self.outbox.reply(id, Reply::Error(error)),
+        if let Err(error) = command.validate().and_then(|()| self.decide(id, command)) {
+            self.outbox.reply(id, Reply::Error(error));
         }
+    }
+
+    /// Answers at once, or has the tick asked first.
+    fn decide(&mut self, id: u16, command: Command) -> Result<(), CommandError> {
+        match command {
+            Command::Hello => self.outbox.reply(id, Reply::Info(self.info())),
+            Command::Status => self.outbox.reply(id, Reply::Status(self.status())),
+            Command::GetSettings => self.outbox.reply(id, Reply::Settings(self.settings)),
+            Command::SetSettings(settings) => {
+                self.ask(id, Order::Guards(guards(&settings, &self.identity)), Then::Settings(settings));
+            }
+            Command::GetModel => self.outbox.reply(id, Reply::Model(self.model.clone())),
+            Command::LoadModel(model) => {
+                self.idle()?;
+                self.saved &= self.model.as_ref() == Some(&model);
+                self.model = Some(model);
+                self.done(id);
+            }
+            Command::Save => {
+                self.idle()?;
+                self.store.save(&self.settings, self.model.as_ref()).map_err(|_| CommandError::Storage)?;
+                self.saved = true;
+                self.done(id);
+            }
+            Command::StartRelay(relay) => self.relay(id, &relay)?,
+            Command::StartDrive(drive) => {
+                self.start(id, RunOrder::Excite(Excitation::Drive(drive)), drive.bounds, Then::Nothing);
+            }
+            Command::StartTrack(track) => self.track(id, &track)?,
+            Command::LoadWaveform(part) => self.ask(id, Order::Waveform(part), Then::Nothing),
+            Command::Identify => self.outbox.reply(id, Reply::Identified(self.identification.solve()?)),
+            Command::Stop => self.ask(id, Order::Stop, Then::Nothing),
+            Command::StreamOn { decimation } => self.switch(id, decimation),
+            Command::StreamOff => self.switch(id, 0),
+            Command::GetFault => self.outbox.reply(id, Reply::Fault(self.fault)),
+            Command::ClearFault => self.ask(id, Order::ClearFault, Then::Cleared),
+            Command::Reboot => {
+                self.reboot = true;
+                self.done(id);
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn done(&mut self, id: u16) {
+        self.outbox.reply(id, Reply::Done);
+    }
+
+    fn switch(&mut self, id: u16, decimation: u16) {
+        self.stream.switch(decimation);
+        self.done(id);
+    }
+
+    /// Answers once the tick has answered.
+    #[inline(never)]
+    fn ask(&mut self, id: u16, order: Order<'a>, then: Then) {
+        let taken = self.channels.orders.enqueue(order).is_ok();
+        self.asked(id, then, taken);
+    }
+
+    /// As [`Self::ask`], of a run.
+    #[inline(never)]
+    fn start(&mut self, id: u16, run: RunOrder<P::Plan>, bounds: Bounds, then: Then) {
+        let taken = self.channels.runs.enqueue((run, bounds)).is_ok();
+        self.asked(id, then, taken);
     }
 
     fn asked(&mut self, id: u16, then: Then, taken: bool) {
@@ -48,55 +97,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         }
     }
 
-    fn decide(&mut self, command: Command) -> Result<Outcome<'a, P::Plan>, CommandError> {
-        Ok(Outcome::Now(match command {
-            Command::Hello => Reply::Info(self.info()),
-            Command::Status => Reply::Status(self.status()),
-            Command::GetSettings => Reply::Settings(self.settings),
-            Command::SetSettings(settings) => {
-                let guards = guards(&settings, &self.identity);
-                return Ok(Outcome::Ask(Order::Guards(guards), Then::Settings(settings)));
-            }
-            Command::GetModel => Reply::Model(self.model.clone()),
-            Command::LoadModel(model) => {
-                self.idle()?;
-                self.saved &= self.model.as_ref() == Some(&model);
-                self.model = Some(model);
-                Reply::Done
-            }
-            Command::Save => {
-                self.idle()?;
-                self.store.save(&self.settings, self.model.as_ref()).map_err(|_| CommandError::Storage)?;
-                self.saved = true;
-                Reply::Done
-            }
-            Command::StartRelay(relay) => return self.relay(&relay),
-            Command::StartDrive(drive) => {
-                let run = RunOrder::Excite(Excitation::Drive(drive));
-                return Ok(Outcome::Run(run, drive.bounds, Then::Nothing));
-            }
-            Command::StartTrack(track) => return self.track(&track),
-            Command::LoadWaveform(part) => return Ok(Outcome::Ask(Order::Waveform(part), Then::Nothing)),
-            Command::Identify => Reply::Identified(self.identification.solve()?),
-            Command::Stop => return Ok(Outcome::Ask(Order::Stop, Then::Nothing)),
-            Command::StreamOn { decimation } => {
-                self.stream.switch(decimation);
-                Reply::Done
-            }
-            Command::StreamOff => {
-                self.stream.switch(0);
-                Reply::Done
-            }
-            Command::GetFault => Reply::Fault(self.fault),
-            Command::ClearFault => return Ok(Outcome::Ask(Order::ClearFault, Then::Cleared)),
-            Command::Reboot => {
-                self.reboot = true;
-                Reply::Done
-            }
-        }))
-    }
-
-    fn relay(&self, relay: &Relay) -> Result<Outcome<'a, P::Plan>, CommandError> {
+    fn relay(&mut self, id: u16, relay: &Relay) -> Result<(), CommandError> {
         let hysteresis = relay.hysteresis_counts.unwrap_or(self.settings.hysteresis_counts);
         let relays = DualRelay::new(i32::from(relay.h1_code), i32::from(relay.h2_code), hysteresis);
         let relays = relays.map_err(|error| {
@@ -108,13 +109,16 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         })?;
         let run = RunOrder::Excite(Excitation::Relay { relay: relays, reference: relay.reference });
         let experiment = Experiment::new(relay, hysteresis);
-        Ok(Outcome::Run(run, relay.bounds, Then::Relay(experiment)))
+        self.start(id, run, relay.bounds, Then::Relay(experiment));
+        Ok(())
     }
 
-    fn track(&self, track: &Track) -> Result<Outcome<'a, P::Plan>, CommandError> {
+    #[inline(never)]
+    fn track(&mut self, id: u16, track: &Track) -> Result<(), CommandError> {
         let plan = self.planner.plan(track, self.model.as_ref(), &self.settings, self.identity.tick_hz)?;
         let run = if track.trajectory == Trajectory::Hold { RunOrder::Hold(plan) } else { RunOrder::Track(plan) };
-        Ok(Outcome::Run(run, track.bounds, Then::Track(*track)))
+        self.start(id, run, track.bounds, Then::Track(*track));
+        Ok(())
     }
 
     fn idle(&self) -> Result<(), CommandError> {

@@ -8,13 +8,13 @@ mod cycle;
 
 use breakaway_core::estimate::limit_cycle::{DetectorSettings, DetectorState, LimitCycleDetector, RelayOutcome};
 use breakaway_core::estimate::modulating::{Block, Modulating, ModulatingState, estimate_base};
-use breakaway_core::estimate::sine::{SineFit, StreamingSine};
+use breakaway_core::estimate::sine::SineFit;
 use breakaway_core::link::{
     CommandError, Ending, Estimate, FULL_SCALE_CODE, Identified, Mode, Relay, Sample, Settings, Sine, Verdict,
 };
 use heapless::Vec;
 
-use crate::app::accumulate::Accumulation;
+use crate::app::accumulate::{Accumulation, SineConfig};
 use crate::board::travel;
 use cycle::CycleTimer;
 
@@ -66,7 +66,7 @@ impl Experiment {
 #[derive(Clone, Copy, Debug)]
 pub enum Want {
     /// Sums for a sine fit.
-    Sums(StreamingSine),
+    Sums(SineConfig),
     /// The end of the run.
     End(Ending),
 }
@@ -86,7 +86,7 @@ struct Active {
 /// The sums of the relay experiments, and the one under way.
 pub struct Identification {
     active: Option<Active>,
-    blocks: Vec<Block, EXPERIMENTS>,
+    blocks: Vec<Block<f32>, EXPERIMENTS>,
     gaps: bool,
     recorded: bool,
     sine: Option<Sine>,
@@ -153,8 +153,7 @@ impl Identification {
             // The fit resolves frequencies near its own only: it waits until the period keeps.
             if !active.summing && last.is_some_and(|last| (last - period).abs() <= STEADY * period) {
                 active.summing = true;
-                let omega = core::f64::consts::TAU * f64::from(tick_hz) / f64::from(period);
-                return StreamingSine::new(omega, 1.0 / f64::from(tick_hz)).ok().map(Want::Sums);
+                return SineConfig::of_period(period as u32, ts).map(Want::Sums);
             }
         }
         active.judge(error, u, ts, settings)
@@ -164,7 +163,7 @@ impl Identification {
     #[inline(never)]
     pub fn summed(&mut self, sums: &Accumulation<'_>, position_per_count: f32) {
         let fit = sums.config.fit(&*sums.sums).ok();
-        self.sine = fit.map(|fit| wire_sine(&fit, f64::from(position_per_count)));
+        self.sine = fit.map(|fit| wire_sine(&fit, position_per_count));
     }
 
     /// The experiment is over; after a fault it is not used.
@@ -207,16 +206,16 @@ impl Identification {
         if self.gaps {
             return Ok(identified);
         }
-        let experiments: Vec<&[Block], EXPERIMENTS> = self.blocks.iter().map(core::slice::from_ref).collect();
+        let experiments: Vec<&[Block<f32>], EXPERIMENTS> = self.blocks.iter().map(core::slice::from_ref).collect();
         match estimate_base(&experiments) {
             Ok(found) => {
                 let [b, c, f1, _] = found.standard_errors;
                 identified.verdict = Verdict::Determined;
-                identified.b = value(found.b, b);
-                identified.c = value(found.c, c);
-                identified.f1 = value(found.f1, f1);
-                identified.residual = found.residual as f32;
-                identified.condition = found.condition as f32;
+                identified.b = Estimate { value: found.b, se: b };
+                identified.c = Estimate { value: found.c, se: c };
+                identified.f1 = Estimate { value: found.f1, se: f1 };
+                identified.residual = found.residual;
+                identified.condition = found.condition;
                 identified.windows = found.windows;
             }
             Err(refusal) => identified.verdict = Verdict::from(refusal),
@@ -282,17 +281,13 @@ fn weak_form(period: f32, ts: f32, settings: &Settings) -> Option<(WeakForm, Wea
     Some((weak, state))
 }
 
-fn value(value: f64, se: f64) -> Estimate {
-    Estimate { value: value as f32, se: se as f32 }
-}
-
-fn wire_sine(fit: &SineFit, unit: f64) -> Sine {
+fn wire_sine(fit: &SineFit<f32>, unit: f32) -> Sine {
     Sine {
-        amplitude: value(fit.amplitude * unit, fit.se.amplitude * unit),
-        omega: value(fit.omega_rad_s, fit.se.omega_rad_s),
-        phase_centre: value(fit.phase_centre_rad, fit.se.phase_centre_rad),
-        offset: value(fit.offset * unit, fit.se.offset * unit),
-        rms: (fit.rms * unit) as f32,
-        cycles: fit.cycles as f32,
+        amplitude: Estimate { value: fit.amplitude * unit, se: fit.se.amplitude * unit },
+        omega: Estimate { value: fit.omega_rad_s, se: fit.se.omega_rad_s },
+        phase_centre: Estimate { value: fit.phase_centre_rad, se: fit.se.phase_centre_rad },
+        offset: Estimate { value: fit.offset * unit, se: fit.se.offset * unit },
+        rms: fit.rms * unit,
+        cycles: fit.cycles,
     }
 }

@@ -30,6 +30,7 @@ impl Outbox {
     }
 
     /// Replies to a request; only if [`Self::can_reply`].
+    #[inline(never)]
     pub(super) fn reply(&mut self, id: u16, reply: Reply) {
         self.reply = Some((id, reply));
     }

@@ -116,6 +116,7 @@ impl Planner for TrackController {
 /// The path, its largest speed and acceleration.
 pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, f32), CommandError> {
     let tick_hz = tick_hz.max(1);
+    let tick_s = 1.0 / tick_hz as f32;
     let wrong = CommandError::Range(Field::TrajectoryTime);
     Ok(match *trajectory {
         Trajectory::Hold => (Path::Hold, 0.0, 0.0),
@@ -123,12 +124,11 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
         Trajectory::Sine { amplitude, period_s } => {
             let omega = core::f32::consts::TAU / period_s;
             let peak = amplitude.abs();
-            let sine = Sine::new(f64::from(amplitude), 1.0 / f64::from(period_s), 1.0 / f64::from(tick_hz))
-                .map_err(|_| wrong)?;
+            let sine = Sine::of_period(amplitude, period_s * tick_hz as f32, tick_s).map_err(|_| wrong)?;
             (Path::Sine(sine), peak * omega, peak * omega * omega)
         }
         Trajectory::Triangle { amplitude, period_s } => {
-            let phase_step = phase_step(f64::from(period_s) * f64::from(tick_hz)).ok_or(wrong)?;
+            let phase_step = phase_step(period_s * tick_hz as f32).ok_or(wrong)?;
             let speed = 4.0 * amplitude / period_s;
             (Path::Triangle { amplitude, phase_step, speed }, speed.abs(), 0.0)
         }
@@ -144,8 +144,7 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
         }
         Trajectory::Profile { distance, jerk_ticks, acceleration_ticks, cruise_ticks, rest_ticks } => {
             let phases = Phases { jerk: jerk_ticks, acceleration: acceleration_ticks, cruise: cruise_ticks };
-            let profile =
-                Profile::in_ticks(f64::from(distance), phases, 1.0 / f64::from(tick_hz)).map_err(|_| wrong)?;
+            let profile = Profile::in_ticks(distance, phases, tick_s).map_err(|_| wrong)?;
             let (speed, acceleration) = phases.peaks(distance, tick_hz as f32);
             (Path::Profile(profile.shuttle(rest_ticks)), speed, acceleration)
         }

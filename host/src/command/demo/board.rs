@@ -93,6 +93,7 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
         speed: SPEED,
         flash: None,
         faults: Vec::new(),
+        cable: false,
     })?;
     let mut runner = Runner::connect(&board.port, breakaway_core::link::BAUD)?;
 

@@ -24,6 +24,9 @@ pub enum VirtualBoardError {
     /// A flash is to be corrupted, and there is none.
     #[error("corrupt-flash needs a flash that is kept: give its file, --flash FILE")]
     NoFlash,
+    /// The cable is to be cut or disturbed, and there is none.
+    #[error("this virtual board was started without a cable that can be cut: ask for that when it is started")]
+    NoCable,
     /// An option is out of range.
     #[error("{field} = {value} is out of range: it must be {need}")]
     Range {

@@ -21,6 +21,10 @@ pub enum Fault {
     Reset,
     /// This many bytes of noise reach the board from the host's side, at most [`MOST_GARBAGE`].
     Garbage(u16),
+    /// The host is gone in mid-motion: nothing passes the cable any more, either way.
+    HostGone,
+    /// Of a million bytes on the cable this many are flipped, lost or have garbage before them, either way.
+    LinkNoise(u32),
     /// Bits of the flash's file are flipped before the board starts; at tick 0 only.
     CorruptFlash,
     /// All of the above is over.
@@ -32,7 +36,18 @@ pub const MOST_GARBAGE: u16 = 2048;
 
 /// What can be injected, for messages and help.
 pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, supply=MV, \
-                          reset, garbage=BYTES (at most 2048), corrupt-flash (at tick 0), healed";
+                          reset, garbage=BYTES (at most 2048), host-gone, link-noise=PPM (at most 100000), \
+                          corrupt-flash (at tick 0), healed";
+
+/// Most of a million bytes that noise may hit: beyond, hardly a frame is left.
+pub const MOST_NOISE: u32 = 100_000;
+
+impl Fault {
+    /// Whether it acts on the cable, which is then a thread of its own.
+    pub const fn on_the_cable(self) -> bool {
+        matches!(self, Self::HostGone | Self::LinkNoise(_))
+    }
+}
 
 /// A fault at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +77,8 @@ impl FromStr for Injection {
             ("supply", _) => Fault::Supply(signed()?),
             ("reset", "") => Fault::Reset,
             ("garbage", _) => Fault::Garbage(number.parse().ok().filter(|n| *n <= MOST_GARBAGE).ok_or_else(wrong)?),
+            ("host-gone", "") => Fault::HostGone,
+            ("link-noise", _) => Fault::LinkNoise(number.parse().ok().filter(|n| *n <= MOST_NOISE).ok_or_else(wrong)?),
             ("corrupt-flash", "") if tick == 0 => Fault::CorruptFlash,
             ("healed", "") => Fault::Healed,
             _ => return Err(wrong()),
@@ -80,6 +97,8 @@ mod tests {
         assert_eq!(read("20:encoder-frozen"), Ok(Injection { tick: 20, fault: Fault::EncoderFrozen }));
         assert_eq!(read("0:encoder-jump=-9"), Ok(Injection { tick: 0, fault: Fault::EncoderJump(-9) }));
         assert_eq!(read("7:garbage=2048"), Ok(Injection { tick: 7, fault: Fault::Garbage(2048) }));
+        assert_eq!(read("9:host-gone"), Ok(Injection { tick: 9, fault: Fault::HostGone }));
+        assert_eq!(read("0:link-noise=100"), Ok(Injection { tick: 0, fault: Fault::LinkNoise(100) }));
         assert_eq!(read("0:corrupt-flash"), Ok(Injection { tick: 0, fault: Fault::CorruptFlash }));
         for wrong in [
             "1:corrupt-flash",
@@ -91,6 +110,9 @@ mod tests {
             "1:supply=low",
             "1:quake",
             "1:tick-late=-1",
+            "1:host-gone=1",
+            "1:link-noise",
+            "1:link-noise=100001",
         ] {
             assert!(read(wrong).is_err(), "{wrong}");
         }

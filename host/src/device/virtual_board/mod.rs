@@ -8,6 +8,7 @@ mod injection;
 mod lockstep;
 mod plant;
 mod qemu;
+mod relay;
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
@@ -18,10 +19,12 @@ use breakaway_core::link::Settings;
 
 pub use error::VirtualBoardError;
 pub use image::find as find_image;
-pub use injection::{FAULTS, Fault, Injection, MOST_GARBAGE};
+pub use injection::{FAULTS, Fault, Injection, MOST_GARBAGE, MOST_NOISE};
 use lockstep::{Answer, Lockstep};
 pub use plant::{Machine, SimulatedMachine};
 use qemu::Qemu;
+use relay::Relay;
+pub use relay::{Counts, Traffic};
 
 /// What to start.
 #[derive(Clone, Debug)]
@@ -38,6 +41,8 @@ pub struct Options {
     pub flash: Option<PathBuf>,
     /// Faults to inject, by tick.
     pub faults: Vec<Injection>,
+    /// A cable that can be cut and disturbed later on; there is one anyway where the faults above ask for it.
+    pub cable: bool,
 }
 
 /// What the plant's side has seen of a tick.
@@ -59,6 +64,7 @@ pub struct VirtualBoard {
     /// The pseudo-terminal of its link.
     pub port: String,
     orders: Sender<Order>,
+    cable: Option<relay::Handle>,
     runner: Option<JoinHandle<Result<(), VirtualBoardError>>>,
 }
 
@@ -82,12 +88,16 @@ impl VirtualBoard {
             corrupt(options.flash.as_deref().ok_or(VirtualBoardError::NoFlash)?)?;
         }
         let (qemu, lockstep) = Qemu::start(&image, options.flash.as_deref())?;
-        let port = qemu.port.clone();
+        let wanted = options.cable || options.faults.iter().any(|injection| injection.fault.on_the_cable());
+        let relay = wanted.then(|| Relay::start(&qemu.port, options.machine.seed)).transpose()?;
+        let port = relay.as_ref().map_or(&qemu.port, |relay| &relay.port).clone();
+        let cable = relay.as_ref().map(Relay::handle);
         let (orders, received) = mpsc::channel();
         let mut faults = options.faults.clone();
         faults.sort_by_key(|fault| fault.tick);
         let mut runner = Runner {
             qemu,
+            relay,
             lockstep,
             machine: SimulatedMachine::new(&options.machine),
             settings: options.settings,
@@ -103,13 +113,18 @@ impl VirtualBoard {
             runner.tick()?;
         }
         let runner = std::thread::spawn(move || runner.run());
-        Ok(Self { port, orders, runner: Some(runner) })
+        Ok(Self { port, orders, cable, runner: Some(runner) })
     }
 
     /// Makes something go wrong from the next tick on.
     pub fn inject(&self, fault: Fault) {
         // A runner that has ended says why when it is joined.
         let _ = self.orders.send(Order::Inject(fault));
+    }
+
+    /// What has passed the cable and what was hit; nothing without one.
+    pub fn traffic(&self) -> Traffic {
+        self.cable.as_ref().map(relay::Handle::traffic).unwrap_or_default()
     }
 
     /// What has been seen last; `None` if the board has ended.
@@ -156,6 +171,7 @@ impl Drop for VirtualBoard {
 /// The plant's thread.
 struct Runner {
     qemu: Qemu,
+    relay: Option<Relay>,
     lockstep: Lockstep,
     machine: SimulatedMachine,
     settings: Settings,
@@ -236,6 +252,10 @@ impl Runner {
         Ok(())
     }
 
+    fn cable(&self) -> Result<&Relay, VirtualBoardError> {
+        self.relay.as_ref().ok_or(VirtualBoardError::NoCable)
+    }
+
     fn inject(&mut self, fault: Fault) -> Result<(), VirtualBoardError> {
         match fault {
             Fault::EncoderFrozen => self.machine.freeze(),
@@ -246,10 +266,16 @@ impl Runner {
             Fault::Supply(millivolts) => self.lockstep.condition(2, millivolts)?,
             Fault::Reset => self.qemu.reset()?,
             Fault::Garbage(bytes) => self.qemu.garbage(bytes)?,
+            Fault::HostGone => self.cable()?.cut(true),
+            Fault::LinkNoise(ppm) => self.cable()?.noise(ppm),
             // Done before the start: what the board has read it does not read again.
             Fault::CorruptFlash => {}
             Fault::Healed => {
                 self.machine.heal();
+                if let Some(cable) = &self.relay {
+                    cable.cut(false);
+                    cable.noise(0);
+                }
                 self.lockstep.condition(3, 0)?;
                 self.lockstep.condition(4, 0)?;
             }
