@@ -27,6 +27,8 @@ pub struct FlashStore<F: NorFlash> {
     map: MapStorage<u8, F, Cache<Uncached, Uncached, Uncached, u8>>,
     range: Range<u32>,
     generation: u32,
+    /// Something of what is kept could not be used: it counts no more.
+    spoilt: bool,
 }
 
 /// Why an item cannot be used: the version found, −1 if unreadable.
@@ -36,12 +38,18 @@ impl<F: NorFlash> FlashStore<F> {
     /// In `range` of `flash`; `None` unless that is at least two whole erase pages.
     pub fn new(flash: F, range: Range<u32>) -> Option<Self> {
         let config = MapConfig::try_new(range.clone()).ok()?;
-        Some(Self { map: MapStorage::new(flash, config, Cache::new_uncached()), range, generation: 0 })
+        Some(Self { map: MapStorage::new(flash, config, Cache::new_uncached()), range, generation: 0, spoilt: false })
     }
 
     /// Reads what is kept; where that cannot be used, `defaults` and what was lost.
     #[inline(never)]
     pub fn load(&mut self, defaults: Settings) -> Loaded {
+        let loaded = self.read(defaults);
+        self.spoilt = loaded.lost.is_some();
+        loaded
+    }
+
+    fn read(&mut self, defaults: Settings) -> Loaded {
         if self.blank() {
             return Loaded::defaults(defaults);
         }
@@ -133,12 +141,21 @@ impl<F: NorFlash> FlashStore<F> {
 impl<F: NorFlash> Store for FlashStore<F> {
     #[inline(never)]
     fn save(&mut self, settings: &Settings, model: Option<&Model>) -> Result<(), StoreError> {
+        if self.spoilt {
+            // Items of an older generation would pass for those of this one: the last number is not known.
+            wait(self.map.erase_all()).map_err(|_| StoreError)?;
+        }
         let generation = self.generation.wrapping_add(1);
         self.put(SETTINGS, settings, generation)?;
         self.put(MODEL, &model, generation)?;
         self.put(GENERATION, &generation, generation)?;
         self.generation = generation;
-        Ok(())
+        // On cells that are not as erased as they look a write ends well and something else stands there.
+        let kept = self.read(*settings);
+        self.spoilt = kept.lost.is_some();
+        let same =
+            !self.spoilt && self.generation == generation && kept.settings == *settings && kept.model.as_ref() == model;
+        if same { Ok(()) } else { Err(StoreError) }
     }
 }
 
