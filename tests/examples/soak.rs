@@ -16,7 +16,9 @@ fn main() -> ExitCode {
         Ok(outcome) => {
             print!("{}", outcome.table());
             let failures = outcome.failures();
-            failures.iter().for_each(|failure| eprintln!("wrong: {failure}"));
+            for failure in &failures {
+                eprintln!("wrong: {failure}");
+            }
             if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
         }
         Err(error) => {

@@ -31,6 +31,7 @@
 
 mod block;
 mod edges;
+mod forms;
 mod solve;
 
 pub use block::{Block, COLUMNS};

@@ -1,6 +1,7 @@
 //! From the blocks of all experiments to (b, c, f1), their covariance, or the refusal.
 
-use super::block::{Block, COLUMNS, Matrix, Phase};
+use super::block::{Block, Phase};
+use super::forms::{Column, DRIVE, SIGN, bilinear, columns, drive_column, invert, residual, residual_form, sandwich};
 use crate::estimate::linear::{NormalEquations, Solution, SolveError};
 use crate::plant::Base;
 use crate::scalar::{ExactSum, SolverReal};
@@ -96,8 +97,6 @@ impl BaseEstimate {
     }
 }
 
-const DRIVE: usize = COLUMNS - 1;
-const SIGN: usize = 2;
 /// A share of the drive's power that is rounding.
 const FLOOR: f64 = 1e-15;
 /// Rounds of iterative refinement: each gains as many digits as the condition leaves of the type's.
@@ -426,106 +425,4 @@ impl<'a, R: SolverReal> Problem<'a, R> {
 
 fn number<R: SolverReal>(count: u32) -> R {
     R::from_i64(i64::from(count))
-}
-
-type Column<R> = [R; COLUMNS];
-
-fn drive_column<R: SolverReal>() -> Column<R> {
-    let mut column = [R::ZERO; COLUMNS];
-    column[DRIVE] = R::ONE;
-    column
-}
-
-/// The parameters' columns as combinations of the recorded ones: the sign's carries the edge correction.
-fn columns<R: SolverReal, const N: usize>(f1: R) -> [Column<R>; N] {
-    let mut columns = [[R::ZERO; COLUMNS]; N];
-    for (k, column) in columns.iter_mut().enumerate() {
-        column[k] = R::ONE;
-    }
-    let f1 = f1.max(R::ZERO);
-    columns[SIGN][4] = f1;
-    columns[SIGN][5] = f1 * f1 * f1;
-    columns
-}
-
-#[inline(never)]
-fn bilinear<R: SolverReal>(matrix: &Matrix<R>, left: &Column<R>, right: &Column<R>) -> R::Sum {
-    let mut sum = R::Sum::default();
-    for (line, &a) in matrix.iter().zip(left) {
-        if a != R::ZERO {
-            let mut inner = R::Sum::default();
-            for (entry, &b) in line.iter().zip(right) {
-                inner = inner.plus(entry.times(b));
-            }
-            sum = sum.plus(inner.times(a));
-        }
-    }
-    sum
-}
-
-/// Σ r² for given parameters.
-fn residual<R: SolverReal, const N: usize>(matrix: &Matrix<R>, parameters: &[R; N]) -> R {
-    residual_form(matrix, parameters).max(R::ZERO)
-}
-
-/// Σ r² (or Σ `r·r_next`) for given parameters.
-#[inline(never)]
-fn residual_form<R: SolverReal, const N: usize>(matrix: &Matrix<R>, parameters: &[R; N]) -> R {
-    let mut direction = drive_column();
-    for (column, &parameter) in columns::<R, N>(parameters[2]).iter().zip(parameters) {
-        for (entry, &part) in direction.iter_mut().zip(column) {
-            *entry -= parameter * part;
-        }
-    }
-    bilinear::<R>(matrix, &direction, &direction).rounded()
-}
-
-/// Inverse by Gauss-Jordan elimination with row pivoting; `None` when a pivot vanishes.
-fn invert<R: SolverReal, const N: usize>(mut a: [[R; N]; N]) -> Option<[[R; N]; N]> {
-    let mut inverse = [[R::ZERO; N]; N];
-    for (k, line) in inverse.iter_mut().enumerate() {
-        line[k] = R::ONE;
-    }
-    for k in 0..N {
-        let mut pivot = k;
-        for i in k + 1..N {
-            if a[i][k].abs() > a[pivot][k].abs() {
-                pivot = i;
-            }
-        }
-        a.swap(k, pivot);
-        inverse.swap(k, pivot);
-        let scale = R::ONE / a[k][k];
-        if !scale.is_finite() {
-            return None;
-        }
-        for j in 0..N {
-            a[k][j] *= scale;
-            inverse[k][j] *= scale;
-        }
-        for i in (0..N).filter(|&i| i != k) {
-            let factor = a[i][k];
-            for j in 0..N {
-                let (left, right) = (a[k][j], inverse[k][j]);
-                a[i][j] -= factor * left;
-                inverse[i][j] -= factor * right;
-            }
-        }
-    }
-    Some(inverse)
-}
-
-/// inverse·meat·inverseᵀ.
-fn sandwich<R: SolverReal, const N: usize>(inverse: &[[R; N]; N], meat: &[[R; N]; N]) -> [[R; 4]; 4] {
-    let mut covariance = [[R::ZERO; 4]; 4];
-    for (line, left) in covariance.iter_mut().zip(inverse) {
-        for (entry, right) in line.iter_mut().zip(inverse) {
-            for (row, &a) in meat.iter().zip(left) {
-                for (&value, &b) in row.iter().zip(right) {
-                    *entry += a * value * b;
-                }
-            }
-        }
-    }
-    covariance
 }

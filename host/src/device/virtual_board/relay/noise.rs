@@ -60,9 +60,9 @@ impl Noise {
             self.counts.bytes += 1;
             let hit = ppm > 0 && self.random.random_range(0..1_000_000) < ppm;
             if hit {
-                self.damage(byte, out)
+                self.damage(byte, out);
             } else {
-                out.push(byte)
+                out.push(byte);
             }
             self.hit |= hit;
             if byte != 0 {
