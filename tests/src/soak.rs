@@ -71,7 +71,7 @@ impl Outcome {
         rules.into_iter().filter(|(holds, _)| !holds).map(|(_, what)| what).collect()
     }
 
-    /// A table for docs/robustness.md.
+    /// A table for docs/hard-to-break.md.
     pub fn table(&self) -> String {
         let (up, down) = (self.traffic.from_board, self.traffic.to_board);
         let hits = |c: breakaway::device::virtual_board::Counts| {

@@ -6,7 +6,7 @@ use crate::cross::Toolchain;
 use crate::image;
 use crate::run::{cargo, run};
 
-/// Builds the image and runs it; what it prints is a table of docs/robustness.md. A failure where anything is lost outside
+/// Builds the image and runs it; what it prints is a table of docs/hard-to-break.md. A failure where anything is lost outside
 /// the frames that were hit.
 pub fn all(toolchain: Toolchain, minutes: f64, ppm: u32) -> Result<()> {
     image::qemu()?;
