@@ -218,9 +218,9 @@ fn blind(kind: Kind) -> bool {
 fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
     let mut reason = "the weak form gives no starting value".to_owned();
     let problem = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.segments) };
-    let heated = |candidate: &Candidate| {
+    let heated = |candidate: &Candidate, iterations: usize| {
         let free = Free::all(&candidate.effects);
-        problem.fit(candidate, &free, Some(&heat.current.initial), FIRST_ITERATIONS)
+        problem.fit(candidate, &free, Some(&heat.current.initial), iterations)
     };
     let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
     if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
@@ -251,15 +251,12 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     let kept = tries.into_iter().take(kept.div_ceil(share));
     // A few iterations over the heat's segments part those, and the rest is for the best; but of a second body only the end
     // tells which start leads to it.
-    let part = |candidate: &Candidate| {
-        let free = Free::all(&candidate.effects);
-        problem.fit(candidate, &free, Some(&heat.current.initial), TRIAL_ITERATIONS)
-    };
+    let parting = if kind.free_memory() == 2 { FIRST_ITERATIONS } else { TRIAL_ITERATIONS };
+    let best = least(kept.filter_map(|fit| heated(&fit.candidate, parting).ok()).collect()).ok_or(reason)?;
     if kind.free_memory() == 2 {
-        return least(kept.filter_map(|fit| heated(&fit.candidate).ok()).collect()).ok_or(reason);
+        return Ok(best);
     }
-    let best = least(kept.filter_map(|fit| part(&fit.candidate).ok()).collect()).ok_or(reason)?;
-    heated(&best.candidate).map_err(|error| error.to_string())
+    heated(&best.candidate, FIRST_ITERATIONS).map_err(|error| error.to_string())
 }
 
 /// A periodic effect over short segments, few of which hold what is looked for: a trial's would tell nothing, so all starts

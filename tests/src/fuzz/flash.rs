@@ -48,6 +48,9 @@ fn open(ram: &mut Ram) -> FlashStore<&mut Ram> {
 }
 
 /// Loads from the image (erased beyond the input), saves over it, loads again.
+///
+/// # Panics
+/// Where a promise is broken.
 pub fn run(bytes: &[u8]) -> bool {
     let mut image = bytes.to_vec();
     image.resize(2 * PAGE, 0xff);
