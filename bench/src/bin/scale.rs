@@ -11,6 +11,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use breakaway::file::write_whole;
 use breakaway::recording::Units;
 use breakaway::report::figure::{Figure, Ink, Series, Strip, stack_over};
 use breakaway::simulate::axis::Axis;
@@ -56,9 +57,9 @@ fn main() -> Result<()> {
         ("scale-count", figure("From 1 to 64 recordings", ("recordings of 10 s", ""), &counts)),
     ];
     for (name, figure) in &figures {
-        fs::write(docs.join(format!("images/{name}.svg")), figure.file())?;
+        write_whole(&docs.join(format!("images/{name}.svg")), |out| out.write_all(figure.file().as_bytes()))?;
     }
-    fs::write(docs.join("scale.md"), page(&lengths, &counts))?;
+    write_whole(&docs.join("scale.md"), |out| out.write_all(page(&lengths, &counts).as_bytes()))?;
     Ok(())
 }
 
