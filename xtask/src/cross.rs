@@ -90,8 +90,6 @@ pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
         command.args(["--package", package]);
     }
     command.args(["--profile", build.profile]);
-    // Images are small enough to be optimised as a whole.
-    command.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
     run(command.args(build.arguments))
 }
 

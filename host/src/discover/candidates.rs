@@ -8,6 +8,7 @@ use breakaway_core::plant::{Base, Kind};
 use rayon::prelude::*;
 
 use super::data::{Data, FIT_SEGMENT_S};
+use super::ranking::special_case;
 use super::refit::{FINAL_ITERATIONS, finish, in_whole_waves, polished, without_wave_number};
 use super::screen::{Screen, Start};
 use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
@@ -165,8 +166,11 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         .iter()
         .enumerate()
         .filter(|(rank, (i, gain))| {
-            let costly = first[*i].0.remembers() && *gain < COSTLY * best;
-            (*rank < LEADERS || *gain > CLOSE * best) && !costly
+            let kind = first[*i].0;
+            let costly = kind.remembers() && *gain < COSTLY * best;
+            // The gains are sorted: before it are those that gain more, its own special case perhaps.
+            let idle = kind.remembers() && gains[..*rank].iter().any(|(i, _)| special_case(first[*i].0, kind));
+            (*rank < LEADERS || *gain > CLOSE * best) && !costly && !idle
         })
         .map(|(_, (i, _))| *i)
         .collect();

@@ -15,7 +15,8 @@ pub struct Thresholds {
 
 /// The calibrated ones.
 pub const NAMING: Thresholds = Thresholds { delta: 0.002, z: 2.0, lambda: 25.0, price: 3.5 };
-/// Those of every further effect: a fit that nearly explains a record leaves outliers, which any flexible effect thins.
+/// Those of a further effect that does not close the gap: a fit that nearly explains a record leaves outliers, which any flexible
+/// effect thins.
 pub const FURTHER: Thresholds = Thresholds { delta: 0.05, ..NAMING };
 /// Two models are tied while the z of their paired difference is below this.
 pub const TIED_Z: f64 = 2.5;

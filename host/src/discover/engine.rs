@@ -6,11 +6,11 @@ use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::candidates::{self, Round};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::decide::paired;
+use super::decide::{FURTHER, paired};
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
 use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
-use super::ranking::{better, nearest, parameters, preference, rivals, simpler_laws, table};
+use super::ranking::{better, evidence, nearest, parameters, preference, rivals, simpler_laws, table};
 use super::refit;
 use super::screen::Screen;
 use super::where_map;
@@ -128,16 +128,24 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
     let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
     let base_gap = Gap::of(&data, &current);
     let mut gap = base_gap;
-    while named.len() < MAX_ADDED && (named.is_empty() || !gap.only_outliers()) {
+    for _ in 0..MAX_ADDED {
+        if !named.is_empty() && !gap.something_left() {
+            break;
+        }
         progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
         let Some(screen) = Screen::of_all_widths(&data, &current.candidate) else { break };
         let Round { data: judged, current: without, mut tried } = candidates::try_all(&data, &current, &screen, rotary);
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let order = preference(&judged, &without, &tried, named.is_empty());
+        let order = preference(&judged, &without, &tried);
         let accepted = order.iter().copied().find_map(|index| {
             let fit = refit::settled(&data, refit::converged(&judged, tried[index].fit.as_ref().ok()?));
             let after = Gap::of(&data, &fit);
-            let Some(reason) = gap.refuses(&after) else { return Some((index, fit, after)) };
+            let doubted = || {
+                let enough = !gap.only_outliers() && evidence(&judged, &without, &tried[index], &FURTHER);
+                (!named.is_empty() && !enough && !gap.closed_by(&after))
+                    .then(|| "thins what is left in a few segments, and does not close it".to_owned())
+            };
+            let Some(reason) = gap.refuses(&after).or_else(doubted) else { return Some((index, fit, after)) };
             remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
             tried[index].fit = Err(reason);
             None
@@ -165,14 +173,22 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         gap = after;
         simpler.push(simpler_laws(&tried, index, start.effects.len() + named.len()));
         named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
-        for j in 0..named.len() - 1 {
+        // What was named while another was still missing may have taken that one's share.
+        for j in (0..named.len() - 1).rev() {
             let place = start.effects.len() + j;
-            if let Some(other) = refit::replaced(&judged, &current, place, &simpler[j])
-                && !better(
-                    &paired(&other.mse, &current.mse, &current.samples, judged.floor()),
-                    current.free.len().saturating_sub(other.free.len()),
-                )
-            {
+            let worse = |other: &Fit| {
+                let evidence = paired(&other.mse, &current.mse, &current.samples, judged.floor());
+                better(&evidence, current.free.len().saturating_sub(other.free.len()))
+            };
+            if let Some(other) = refit::without(&judged, &current, place).filter(|other| !worse(other)) {
+                remarks.push(format!("beside what was named later, nothing is left of {}", named[j].kind.name()));
+                named.remove(j);
+                simpler.remove(j);
+                gap = Gap::of(&data, &other);
+                current = other;
+                continue;
+            }
+            if let Some(other) = refit::replaced(&judged, &current, place, &simpler[j]).filter(|other| !worse(other)) {
                 let (old, new) = (named[j].kind, other.candidate.effects[place].kind);
                 remarks.push(format!("beside what was named later, {} does as well as {}", new.name(), old.name()));
                 named[j].kind = new;

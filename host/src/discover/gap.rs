@@ -9,8 +9,12 @@ use crate::identify::shooting::{Fit, SCORE_ITERATIONS, Segment};
 const GAP_NOISE: f64 = 0.06;
 /// Share of held-out segments that may stay above twice the noise's mean square in an explained record.
 const LEFT_OVER: f64 = 0.05;
-/// The median segment's mean square over the noise's below which no further effect is looked for.
+/// The median segment's mean square over the noise's below which what is left lies in a few segments.
 const OUTLIERS: f64 = 1.15;
+/// The gap from which something is left: three of its standard deviations over 50 segments of 400 samples of noise.
+const LEFT: f64 = 0.015;
+/// Share of a gap that lies in a few segments that may stay where a further effect closes it.
+const CLOSED: f64 = 0.5;
 /// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
 /// they would leave most of it.
 pub(super) const LEAST_SHARE: f64 = 0.25;
@@ -84,10 +88,18 @@ impl Gap {
     pub(super) fn real(&self) -> bool {
         self.mean_log > GAP_NOISE && self.above > LEFT_OVER
     }
-    /// Whether the typical segment is down to the noise: what is left lies in a few, where a further effect would be fitted to
-    /// outliers.
+    /// Whether the typical segment is down to the noise: what is left lies in a few.
     pub(super) fn only_outliers(&self) -> bool {
         self.median < OUTLIERS
+    }
+    /// Whether it is worth looking for a further effect.
+    pub(super) fn something_left(&self) -> bool {
+        !self.only_outliers() || self.mean_log > LEFT
+    }
+    /// Whether the model with the gap `after` brings what is left down to the noise. Any flexible effect thins a few outliers;
+    /// the missing one closes them, where it was not fitted too.
+    pub(super) fn closed_by(&self, after: &Self) -> bool {
+        after.explained() && after.mean_log < CLOSED * self.mean_log
     }
     /// Whether a model with second bodies explains what `self`, the base's gap, is: their starts, free in every segment, can
     /// follow a disturbance that no body causes, so there must be a gap on held-out data, and it must close in open loop.

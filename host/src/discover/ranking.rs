@@ -1,10 +1,10 @@
 //! Which effects have evidence enough, in which order they are considered, and which of the others come close.
 
-use breakaway_core::plant::Effect;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::candidates::Tried;
 use super::data::Data;
-use super::decide::{FURTHER, NAMING, Paired, TIED_Z, paired};
+use super::decide::{NAMING, Paired, TIED_Z, Thresholds, paired};
 use super::outcome::{CandidateRow, ParameterValue, Rival};
 use crate::identify::shooting::{Fit, Free};
 use crate::model::catalogue::unit;
@@ -13,19 +13,19 @@ use crate::recording::Units;
 /// Effects with enough evidence that are checked on held-out data in a round.
 const CONSIDERED: usize = 4;
 
+/// Whether the evidence for an effect suffices.
+pub(super) fn evidence(data: &Data, current: &Fit, tried: &Tried, asked: &Thresholds) -> bool {
+    tried.fit.as_ref().is_ok_and(|fit| {
+        let evidence = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
+        evidence.names(fit.free.len() - current.free.len(), asked)
+    })
+}
+
 /// The effects whose evidence suffices, in the order in which they are considered: the best first, but among those tied
 /// with it the one with the fewest parameters; then the others by their cost, a few.
-pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried], first: bool) -> Vec<usize> {
-    let asked = if first { &NAMING } else { &FURTHER };
-    let mut order: Vec<usize> = (0..tried.len())
-        .filter(|i| {
-            tried[*i].fit.as_ref().is_ok_and(|fit| {
-                let evidence = paired(&current.mse, &fit.mse, &fit.samples, data.floor());
-                evidence.names(fit.free.len() - current.free.len(), asked)
-            })
-        })
-        .take(CONSIDERED)
-        .collect();
+pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usize> {
+    let mut order: Vec<usize> =
+        (0..tried.len()).filter(|i| evidence(data, current, &tried[*i], &NAMING)).take(CONSIDERED).collect();
     let fits: Vec<&Fit> = order.iter().filter_map(|i| tried[*i].fit.as_ref().ok()).collect();
     let Some(best) = fits.first() else { return order };
     let simplest = fits
@@ -86,6 +86,21 @@ pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units
     ))
 }
 
+/// Whether a law that does no better with more parameters is a rival all the same: these recordings may lack what tells the
+/// two apart. Others pay for nothing, or have the named one as a special case.
+fn look_alike(named: Kind, other: Kind) -> bool {
+    named.definition().confused_with.contains(&other.name()) && !special_case(named, other)
+}
+
+/// Whether `law` is `general` with certain parameters.
+pub(super) fn special_case(law: Kind, general: Kind) -> bool {
+    match general {
+        Kind::LuGre => matches!(law, Kind::Dahl | Kind::Stribeck),
+        Kind::Cogging => law == Kind::GravityLoad,
+        _ => false,
+    }
+}
+
 pub(super) fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -> Vec<Rival> {
     let mut rivals: Vec<Rival> = tried
         .iter()
@@ -94,8 +109,8 @@ pub(super) fn rivals(data: &Data, winner: &Fit, tried: &[Tried], index: usize) -
         .filter_map(|(_, t)| {
             let fit = t.fit.as_ref().ok()?;
             let p = paired(&fit.mse, &winner.mse, &winner.samples, data.floor());
-            // A richer law that does no better is no rival: it has the named one as a special case, or pays for nothing.
-            let idle = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
+            let richer = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
+            let idle = richer && !look_alike(tried[index].kind, t.kind);
             Some(Rival { kind: t.kind, delta: p.delta, z: p.z, tied: !idle && !better(&p, 0) })
         })
         .collect();
@@ -127,7 +142,9 @@ pub(super) fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<
                     )
                 } else if let Some(best) = best {
                     let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
-                    if fit.free.len() > best.free.len() && against.delta > -0.5 * NAMING.delta {
+                    let named = winner.map(|i| tried[i].kind);
+                    let idle = named.is_none_or(|named| !look_alike(named, t.kind));
+                    if idle && fit.free.len() > best.free.len() && against.delta > -0.5 * NAMING.delta {
                         "does no better with more parameters".to_owned()
                     } else if better(&against, 0) {
                         format!("loses to the named effect by Δ {:.3}, z {:.1}", against.delta, against.z)

@@ -28,7 +28,9 @@ const WHOLE: f64 = 0.1;
 
 /// Over all segments to convergence.
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
-    resolved(data, &start.candidate)?;
+    // Bristles that took the share of an effect which was missing are too long until it is there: only the new ones count yet.
+    let new = start.candidate.effects.len().saturating_sub(1)..;
+    resolved(data, &start.candidate, &start.candidate.effects[new])?;
     let problem = data.problem();
     // Bristles take many sub-steps: most of the way with half of them.
     let slow = start.candidate.effects.iter().any(|effect| effect.kind.bristles());
@@ -37,13 +39,13 @@ pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     if slow {
         fit = problem.fit(&fit.candidate, &fit.free, Some(&fit.initial), FINE_ITERATIONS).map_err(|e| e.to_string())?;
     }
-    resolved(data, &fit.candidate)?;
+    resolved(data, &fit.candidate, &fit.candidate.effects)?;
     Ok(fit)
 }
 
 /// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's, and bristles so long
 /// that they never let go, which are a spring whose rest every segment chooses for itself.
-fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
+fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Result<(), String> {
     let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
         return Err("became faster than the recordings resolve".to_owned());
@@ -56,7 +58,7 @@ fn resolved(data: &Data, candidate: &Candidate) -> Result<(), String> {
                 matches!(parameter.search, Search::Grid(Scale::Presliding, _)) && *value < softest
             })
     };
-    if candidate.effects.iter().any(soft) {
+    if bristles.iter().any(soft) {
         return Err("its bristles became longer than the motion".to_owned());
     }
     Ok(())
@@ -193,6 +195,13 @@ pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) ->
         .min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
+/// The model without its effect `j`, refitted over all segments.
+pub fn without(data: &Data, current: &Fit, j: usize) -> Option<Fit> {
+    let mut candidate = current.candidate.clone();
+    candidate.effects.remove(j);
+    data.problem().fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
+}
+
 /// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are
 /// kept only where they pay for their parameters.
 fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
@@ -227,7 +236,8 @@ fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
 fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
     let parameters = best.candidate.effects[j].kind.definition().parameters;
     // A single threshold, at rest, decides by the sample at which the body starts: to a percent and finer.
-    let ratios: &[f64] = if best.free.len() == 4 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
+    let own = best.free.iter().filter(|free| matches!(free, Free::Effect(k, _) if *k == j)).count();
+    let ratios: &[f64] = if own == 1 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
     for &ratio in ratios {
         for (i, parameter) in parameters.iter().enumerate() {
             if !matches!(parameter.search, Search::Grid(..)) || parameter.default.is_some() {

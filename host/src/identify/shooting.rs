@@ -194,6 +194,17 @@ impl Problem<'_> {
         }
     }
 
+    /// Mean square error of a segment from a given start, nothing fitted.
+    fn mean_square(&self, candidate: &Candidate, segment: Segment, initial: Start) -> f64 {
+        let plant = Plant { base: candidate.base, effects: &candidate.effects };
+        let track = &self.tracks[segment.track];
+        let mut square = 0.0;
+        self.simulate(&plant, self.sub_steps(&plant, segment), segment, initial, |k, x| {
+            square += (track.weight(k) * (track.x[k] - x)).powi(2);
+        });
+        square / segment.len as f64
+    }
+
     fn normal_any(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
         match free.len() + candidate.local() {
             0..=2 => self.normal::<2>(candidate, free, segment, initial),

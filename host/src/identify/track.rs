@@ -142,7 +142,7 @@ impl Track {
         if self.jitter_s > 0.0 { self.sigma / self.sigma.hypot(self.jitter_s * self.vs[k]) } else { 1.0 }
     }
 
-    /// Local cubic least squares around every sample of `from..to`.
+    /// Local least squares around every sample of `from..to`.
     fn smooth(&mut self, from: usize, to: usize, half: usize, residuals: &mut [f64]) {
         if to - from < 5 {
             return;
@@ -150,17 +150,19 @@ impl Track {
         let scale = half as f64 * self.ts;
         let uniform = (from + 1..to).all(|k| ((self.t[k] - self.t[k - 1]) / self.ts - 1.0).abs() < 0.01);
         let interior =
-            uniform.then(|| kernels(&(0..=2 * half).map(|i| i as f64 / half as f64 - 1.0).collect::<Vec<_>>()));
+            uniform.then(|| kernels(&(0..=2 * half).map(|i| i as f64 / half as f64 - 1.0).collect::<Vec<_>>(), true));
         #[allow(clippy::needless_range_loop, reason = "k is the centre of a window into several columns")]
         for k in from..to {
-            let first = k.saturating_sub(half).max(from);
-            let last = (k + half).min(to - 1);
+            // At the ends as many samples on one side, and a parabola: a cubic's slope there is mostly noise.
+            let first = k.saturating_sub(half).min((to - 1).saturating_sub(2 * half)).max(from);
+            let last = (first + 2 * half).min(to - 1);
+            let centred = k - first == half && last - k == half;
             let own;
             let weights = match &interior {
-                Some(weights) if k >= from + half && k + half < to => weights,
+                Some(weights) if centred => weights,
                 _ => {
                     let s: Vec<f64> = (first..=last).map(|i| (self.t[i] - self.t[k]) / scale).collect();
-                    own = kernels(&s);
+                    own = kernels(&s, centred);
                     &own
                 }
             };
@@ -190,20 +192,23 @@ impl Track {
     }
 }
 
-/// Least-squares weights of value, slope and curvature at s = 0 for a cubic on the abscissae `s`.
-fn kernels(s: &[f64]) -> Vec<[f64; 3]> {
+/// Least-squares weights of value, slope and curvature at s = 0 for a cubic, or else a parabola, on the abscissae `s`.
+fn kernels(s: &[f64], cubic: bool) -> Vec<[f64; 3]> {
+    let row = |si: f64| nalgebra::Vector4::new(1.0, si, si * si, if cubic { si * si * si } else { 0.0 });
     let mut gram = nalgebra::Matrix4::<f64>::zeros();
     for &si in s {
-        let row = nalgebra::Vector4::new(1.0, si, si * si, si * si * si);
-        gram += row * row.transpose();
+        gram += row(si) * row(si).transpose();
+    }
+    if !cubic {
+        gram[(3, 3)] = 1.0;
     }
     let Some(inverse) = gram.try_inverse() else {
         return vec![[1.0 / s.len() as f64, 0.0, 0.0]; s.len()];
     };
     s.iter()
         .map(|&si| {
-            let row = inverse * nalgebra::Vector4::new(1.0, si, si * si, si * si * si);
-            [row[0], row[1], row[2]]
+            let weights = inverse * row(si);
+            [weights[0], weights[1], weights[2]]
         })
         .collect()
 }
