@@ -137,6 +137,9 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         let Round { data: judged, current: without, mut tried } = candidates::try_all(&data, &current, &screen, rotary);
         tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let order = preference(&judged, &without, &tried);
+        if named.is_empty() {
+            closest = nearest(&judged, &without, &tried, &units);
+        }
         let accepted = order.iter().copied().find_map(|index| {
             let fit = refit::settled(&data, refit::converged(&judged, tried[index].fit.as_ref().ok()?));
             let after = Gap::of(&data, &fit);
@@ -161,7 +164,6 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         });
         if named.is_empty() {
             first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
-            closest = nearest(&judged, &without, &tried, &units);
         }
         let Some((index, fit, after)) = accepted else { break };
         if let Some(rival) = rivals.iter().find(|r| r.tied)

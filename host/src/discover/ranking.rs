@@ -66,23 +66,23 @@ pub(super) fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<E
 /// the held-out data do not bear it out.
 pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units) -> Option<String> {
     let evidence = |fit: &Fit| paired(&current.mse, &fit.mse, &fit.samples, data.floor());
-    let fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
-    let (kind, fit) = fits.max_by(|a, b| evidence(a.1).lambda.total_cmp(&evidence(b.1).lambda))?;
+    let enough =
+        |fit: &Fit| evidence(fit).lambda - NAMING.price * (fit.free.len() - current.free.len()) as f64 >= NAMING.lambda;
+    // They are in the order of their cost.
+    let mut fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
+    let (kind, fit) = fits.find(|(_, fit)| enough(fit))?;
     let evidence = evidence(fit);
-    let price = NAMING.price * (fit.free.len() - current.free.len()) as f64;
-    if evidence.lambda - price < NAMING.lambda {
-        return None;
-    }
     let place = fit.candidate.effects.len() - 1;
     let parameters: Vec<String> =
         parameters(fit, place, units).iter().map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit)).collect();
     Some(format!(
-        "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by most segments",
+        "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by {}",
         data.segment_s,
         kind.name(),
         parameters.join(", "),
         evidence.lambda,
-        evidence.z
+        evidence.z,
+        if evidence.names(fit.free.len() - current.free.len(), &NAMING) { "held-out data" } else { "most segments" }
     ))
 }
 

@@ -157,7 +157,8 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     }
     let weak_fit = solve_base(&windows, both)?;
     let weak_estimate = from_weak(&weak_fit, both);
-    if weak_estimate.b.value <= 0.0 {
+    let biased = weak_estimate.b.value <= 0.0;
+    if biased && work(&tracks) <= 0.0 {
         return Err(IdentifyError::NegativeInertia { b: weak_estimate.b.value });
     }
     let unexplained = weak_fit.residual.norm() / windows.iter().map(|w| w.drive * w.drive).sum::<f64>().sqrt();
@@ -168,7 +169,11 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     }
     weakly_determined(&weak_estimate, &mut undetermined);
     let noise = median(tracks.iter().map(|t| t.sigma).collect());
-    let fit = output_error(&tracks, &weak_estimate, noise);
+    let mut start = weak_estimate.clone();
+    if biased {
+        start.b.value = small_inertia(&tracks);
+    }
+    let fit = output_error(&tracks, &start, noise);
     let mut estimates = vec![weak_estimate.clone()];
     let (mut simulation_error, mut white) = (f64::NAN, false);
     if let Some(fit) = &fit {
@@ -176,7 +181,14 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         white = simulation_error.powi(2) < WHITE_RATIO * noise * noise;
         estimates.push(from_fit(fit, both));
     }
-    let best = if white { estimates[estimates.len() - 1].clone() } else { weak_estimate };
+    let best = match &fit {
+        Some(fit) if white || biased => from_fit(fit, both),
+        _ => weak_estimate,
+    };
+    if best.b.value <= 0.0 {
+        let advice = "the axis accelerates too little: record faster reversals, such as a relay experiment";
+        return Err(IdentifyError::Undetermined { parameter: "b", advice });
+    }
     let load = best.load.filter(|load| {
         load.value.abs() > LOAD_SIGNIFICANCE.0 * load.se && load.value.abs() > LOAD_SIGNIFICANCE.1 * best.f1.value
     });
@@ -196,6 +208,22 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         remarks,
         fit,
     })
+}
+
+/// Work of the drive on the motion, drive units times position units: friction takes it up, so it is positive, unless drive or
+/// position has the wrong sign.
+fn work(tracks: &[Track]) -> f64 {
+    let of = |track: &Track| {
+        let pieces = track.pieces.windows(2).flat_map(|piece| piece[0] + 1..piece[1]);
+        pieces.map(|k| track.u[k - 1] * (track.xs[k] - track.xs[k - 1])).sum::<f64>()
+    };
+    tracks.iter().map(of).sum()
+}
+
+/// An inertia to start from where equation error gives none: its force is a tenth of the drive.
+fn small_inertia(tracks: &[Track]) -> f64 {
+    let mean_square = |of: fn(&Track) -> &[f64]| tracks.iter().flat_map(of).map(|value| value * value).sum::<f64>();
+    0.1 * (mean_square(|track| &track.u) / mean_square(|track| &track.acceleration).max(f64::MIN_POSITIVE)).sqrt()
 }
 
 fn both_directions(windows: &[Window]) -> bool {
@@ -296,7 +324,7 @@ fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) 
         ("c", estimate.c, "record higher speeds, or relay experiments with different h2"),
         ("f1", estimate.f1, "record slower motion in both directions, or relay experiments with different h2"),
     ] {
-        if !value.se.is_finite() || value.se > 0.3 * value.value.abs() {
+        if !value.se.is_finite() || value.se > 0.3 * value.value.abs() || value.value < 0.0 {
             undetermined.push(Undetermined {
                 parameter,
                 advice: format!(
