@@ -19,12 +19,12 @@ const RATCHET: f64 = 1.03;
 const ICOUNT: &str = "shift=10,sleep=off";
 
 /// What may not be exceeded, whatever was recorded (name, limit, unit). Ticks are those of the profile that is flashed.
-/// Flash has no limit here, only the ratchet: the virtual board's image is optimised for speed, and the flashable board's
-/// 64 KiB are not reached.
-const LIMITS: [(&str, u64, &str); 4] = [
+/// The virtual board's image has none for flash, only the ratchet: it is optimised for speed.
+const LIMITS: [(&str, u64, &str); 5] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),
     ("ram_bytes", 16 * 1024, "bytes"),
+    ("nucleo_flash_bytes", 64 * 1024, "bytes"),
     ("nucleo_ram_bytes", 16 * 1024, "bytes"),
 ];
 

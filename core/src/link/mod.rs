@@ -29,7 +29,7 @@ pub use command::{
 pub use error::{CommandError, Rejected};
 pub use event::{Ended, Ending, Event, FaultCause, FaultRecord, Limit, Mismatch};
 pub use field::Field;
-pub use frame::{Decoder, EncodeError, FrameError, MAX_FRAME, MAX_MESSAGE, encode};
+pub use frame::{Decoder, EncodeError, FrameError, MAX_FRAME, MAX_MESSAGE, checksum, encode};
 pub use info::{DriveUnit, Info, PositionUnit, Text, peer_version};
 pub use model::{EffectId, Model, WireEffect};
 pub use reply::{Estimate, Identified, Message, Reply, Sine, Status, Verdict};

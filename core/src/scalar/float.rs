@@ -1,7 +1,11 @@
 //! f32 and f64 on libm.
 
 use super::Real;
-use libm::exp;
+#[cfg(target_os = "none")]
+use super::root::sqrt as short_sqrt;
+#[cfg(not(target_os = "none"))]
+use libm::sqrtf as short_sqrt;
+use libm::{exp, sqrt};
 
 /// e^x, −80 < x ≤ 0: e^x = 2^k·e^r, |r| ≤ ln2/2.
 fn short_exp(x: f32) -> f32 {
@@ -39,7 +43,7 @@ macro_rules! float {
                 <$type>::abs(self)
             }
             fn sqrt(self) -> Self {
-                if self > 0.0 { libm::$sqrt(self) } else { 0.0 }
+                if self > 0.0 { $sqrt(self) } else { 0.0 }
             }
             fn sin(self) -> Self {
                 libm::$sin(self)
@@ -63,5 +67,5 @@ macro_rules! float {
     };
 }
 
-float!(f32, sqrtf, sinf, cosf, expf, logf, atan2f, short_exp);
+float!(f32, short_sqrt, sinf, cosf, expf, logf, atan2f, short_exp);
 float!(f64, sqrt, sin, cos, exp, log, atan2, exp);

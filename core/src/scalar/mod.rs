@@ -6,6 +6,8 @@ pub mod fast;
 mod fixed_point;
 mod float;
 pub mod nco;
+#[cfg(any(test, target_os = "none"))]
+mod root;
 mod solver;
 
 pub use fixed_point::Q32;

@@ -3,17 +3,13 @@
 
 #[cfg(target_os = "none")]
 mod image {
-    use core::future::Future;
-    use core::pin::pin;
-    use core::task::{Context, Waker};
-
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{
         App, Channels, Controller, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
     };
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::nucleo_g474re::{
-        BoardTick, Parts, RetainedRam, Serial, SettingsFlash, acknowledge_ecc, on_tick, open_all_switches, send, start,
+        BoardTick, Parts, RetainedRam, Serial, SettingsFlash, acknowledge_ecc, on_tick, open_all_switches, start,
     };
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::asm::wfi;
@@ -28,7 +24,7 @@ mod image {
 
     #[entry]
     fn main() -> ! {
-        let Parts { board, ticks, serial, transmitter, outgoing, flash } = start();
+        let Parts { board, ticks, serial, flash } = start();
         let identity = Identity { board: NAME, build: env!("BREAKAWAY_BUILD"), tick_hz: TICK_HZ };
         defmt::info!("{=str} {=str}: {=u32} ticks/s", identity.board, identity.build, identity.tick_hz);
         let Some(mut store) = FlashStore::new(flash, 0..SETTINGS_BYTES) else {
@@ -51,13 +47,10 @@ mod image {
         let (Some(tick), Some(app)) = (singleton!(: BoardTick = tick), singleton!(: BoardApp = app)) else {
             panic!("started twice");
         };
-        let mut sender = pin!(send(transmitter, outgoing));
         ticks.run(tick);
         defmt::info!("ticking");
         loop {
             let wish = app.poll();
-            // Never ready: it goes on for ever.
-            let _ = sender.as_mut().poll(&mut Context::from_waker(Waker::noop()));
             if wish == Wish::Reboot {
                 stop();
             }

@@ -2,7 +2,7 @@
 //!
 //! - To the tick, a [`Board`]: an [`Encoder`], a [`Drive`], a [`Clock`], a [`Protection`] and memory that is
 //!   [`Retained`] through a reset.
-//! - To the thread beside it, a [`Wire`] for the link and a flash (`embedded_storage_async::nor_flash`).
+//! - To the thread beside it, a [`Wire`] for the link and a flash (`embedded_storage::nor_flash`).
 //!
 //! PWM and pins are those of embedded-hal 1.0, so that any HAL's types fit; it has no traits for encoders and
 //! clocks, so these are our own. A board file implements them and a `bin/` ties them together: it makes the

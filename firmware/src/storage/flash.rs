@@ -1,171 +1,187 @@
-//! The store on a NOR flash.
+//! The store on a NOR flash: two erase pages that take turns.
+//!
+//! A page holds one record: `mark ‖ version ‖ length ‖ sequence ‖ settings and model (postcard) ‖ CRC-32 of all behind the
+//! mark`, numbers little endian. A save writes the whole record to the page that is not in force, reads it back, and
+//! only then programs the other page's mark, which puts that out of force; it is erased by the next save. So
+//! - a power cut leaves the record from before, or the new one: of two in force the one of the later sequence number
+//!   counts, and reading them marks the other;
+//! - a record that is damaged later has none beside it that could pass for it: it is lost, and said to be.
 
-use core::future::Future;
 use core::ops::Range;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
 
-use breakaway_core::link::{FaultCause, Model, Settings};
-use embedded_storage_async::nor_flash::NorFlash;
-use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use breakaway_core::link::{FaultCause, Model, Settings, checksum};
+use embedded_storage::nor_flash::NorFlash;
 
 use super::{Loaded, Store, StoreError, VERSION};
 
-const SETTINGS: u8 = 1;
-const MODEL: u8 = 2;
-const GENERATION: u8 = 3;
-/// Longest item: a model with all its effects, and the key, version and generation before it.
-const ITEM: usize = 320;
-/// Version and generation in front of an item.
-const HEAD: usize = 6;
+/// Longest record with its mark: settings, and a model with all its effects.
+const RECORD: usize = 272;
+/// Bytes of the mark, the flash's widest word: erased while the record is in force.
+const MARK: usize = 8;
+const IN_FORCE: [u8; MARK] = [0xff; MARK];
+/// Version, length of the content, sequence number.
+const HEAD: usize = 8;
+const CRC: usize = 4;
 
-/// Settings and model in at least two erase pages of a flash.
+/// Settings and model in two erase pages of a flash.
 pub struct FlashStore<F: NorFlash> {
-    map: MapStorage<u8, F, Cache<Uncached, Uncached, Uncached, u8>>,
-    range: Range<u32>,
-    generation: u32,
-    /// Something of what is kept could not be used: it counts no more.
-    spoilt: bool,
+    flash: F,
+    start: u32,
+    /// What is in force: page and sequence number.
+    kept: Option<(u32, u32)>,
 }
 
-/// Why an item cannot be used: the version found, −1 if unreadable.
-struct Lost(i32);
+/// A record that is whole and in force.
+struct Record<'b> {
+    version: u16,
+    sequence: u32,
+    content: &'b [u8],
+}
 
 impl<F: NorFlash> FlashStore<F> {
-    /// In `range` of `flash`; `None` unless that is at least two whole erase pages.
+    /// In the first two pages of `range` of `flash`; `None` unless these are whole erase pages that take a record, of a
+    /// flash that programs words of 8 bytes or fewer.
     pub fn new(flash: F, range: Range<u32>) -> Option<Self> {
-        let config = MapConfig::try_new(range.clone()).ok()?;
-        Some(Self { map: MapStorage::new(flash, config, Cache::new_uncached()), range, generation: 0, spoilt: false })
+        let page = F::ERASE_SIZE as u32;
+        let fits = range.start.is_multiple_of(page) && range.end.checked_sub(range.start)? >= 2 * page;
+        let fits = fits && RECORD <= F::ERASE_SIZE && MARK.is_multiple_of(F::WRITE_SIZE);
+        fits.then_some(Self { flash, start: range.start, kept: None })
     }
 
     /// Reads what is kept; where that cannot be used, `defaults` and what was lost.
     #[inline(never)]
     pub fn load(&mut self, defaults: Settings) -> Loaded {
-        let loaded = self.read(defaults);
-        self.spoilt = loaded.lost.is_some();
-        loaded
-    }
-
-    fn read(&mut self, defaults: Settings) -> Loaded {
-        if self.blank() {
-            return Loaded::defaults(defaults);
-        }
-        let lost = |cause, Lost(found)| Loaded { lost: Some((cause, found)), ..Loaded::defaults(defaults) };
-        match self.item::<u32>(GENERATION, None) {
-            Ok(generation) => self.generation = generation,
-            Err(error) => return lost(FaultCause::SettingsLost, error),
-        }
-        let settings = self.item::<Settings>(SETTINGS, Some(self.generation));
-        let settings = match settings.and_then(|found| found.validate().map(|()| found).map_err(|_| Lost(-1))) {
-            Ok(settings) => settings,
-            Err(error) => return lost(FaultCause::SettingsLost, error),
-        };
-        let model = self.item::<Option<Model>>(MODEL, Some(self.generation));
-        let usable = |model: &Option<Model>| model.as_ref().is_none_or(|model| model.validate().is_ok());
-        match model {
-            Ok(model) if usable(&model) => Loaded { settings, model, lost: None },
-            Ok(_) => Loaded { settings, ..lost(FaultCause::ModelLost, Lost(-1)) },
-            Err(error) => Loaded { settings, ..lost(FaultCause::ModelLost, error) },
-        }
-    }
-
-    /// Whether nothing was ever written. What cannot be read is not blank.
-    #[inline(never)]
-    fn blank(&mut self) -> bool {
-        let mut bytes = [0; 64];
-        let mut at = self.range.start;
-        while at < self.range.end {
-            let part = bytes.len().min((self.range.end - at) as usize);
-            let Some(part) = bytes.get_mut(..part) else {
-                return false;
+        let lost = |cause, found| Loaded { lost: Some((cause, found)), ..Loaded::defaults(defaults) };
+        let mut bytes = [0; RECORD];
+        let mut other_version = None;
+        self.kept = None;
+        for page in [0, 1] {
+            let Some(Record { version, sequence, .. }) = self.record(page, &mut bytes) else {
+                continue;
             };
-            if wait(self.map.flash().read(at, part)).is_err() || part.iter().any(|byte| *byte != 0xff) {
-                return false;
+            if version != VERSION {
+                other_version = Some(version);
+                continue;
             }
-            at += part.len() as u32;
+            match self.kept {
+                Some((_, later)) if (sequence.wrapping_sub(later) as i32) <= 0 => self.put_out_of_force(page),
+                Some((earlier, _)) => {
+                    self.put_out_of_force(earlier);
+                    self.kept = Some((page, sequence));
+                }
+                None => self.kept = Some((page, sequence)),
+            }
         }
-        true
-    }
-
-    fn item<T: DeserializeOwned>(&mut self, key: u8, generation: Option<u32>) -> Result<T, Lost> {
-        let mut buffer = [0; ITEM];
-        match postcard::take_from_bytes(self.fetch(&mut buffer, key, generation)?) {
-            Ok((value, [])) => Ok(value),
-            _ => Err(Lost(-1)),
-        }
-    }
-
-    /// What is stored under a key, behind its head. One copy for all types.
-    #[inline(never)]
-    fn fetch<'b>(&mut self, buffer: &'b mut [u8; ITEM], key: u8, generation: Option<u32>) -> Result<&'b [u8], Lost> {
-        let found = wait(self.map.fetch_item::<&[u8]>(buffer, &key));
-        let Ok(Some(bytes)) = found else {
-            return Err(Lost(-1));
+        let Some((page, _)) = self.kept else {
+            return match other_version {
+                Some(version) => lost(FaultCause::SettingsLost, i32::from(version)),
+                None if self.blank(0) && self.blank(1) => Loaded::defaults(defaults),
+                None => lost(FaultCause::SettingsLost, -1),
+            };
         };
-        let Some(([v0, v1, g0, g1, g2, g3], content)) = bytes.split_first_chunk::<HEAD>() else {
-            return Err(Lost(-1));
+        let content = self.record(page, &mut bytes).map_or(&[][..], |record| record.content);
+        let Some((settings, rest)) = settings(content) else {
+            return lost(FaultCause::SettingsLost, -1);
         };
-        let version = u16::from_le_bytes([*v0, *v1]);
-        if version != VERSION {
-            return Err(Lost(i32::from(version)));
+        match model(rest) {
+            Ok(model) => Loaded { settings, model, lost: None },
+            Err(()) => Loaded { settings, ..lost(FaultCause::ModelLost, -1) },
         }
-        if generation.is_some_and(|wanted| wanted != u32::from_le_bytes([*g0, *g1, *g2, *g3])) {
-            return Err(Lost(-1));
-        }
-        Ok(content)
     }
 
-    fn put<T: Serialize>(&mut self, key: u8, value: &T, generation: u32) -> Result<(), StoreError> {
-        let mut item = [0; ITEM];
-        let (_, content) = item.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
-        let used = HEAD + postcard::to_slice(value, content).map_err(|_| StoreError)?.len();
-        self.store(key, &mut item, used, generation)
+    #[cfg(test)]
+    pub(super) fn flash(&mut self) -> &mut F {
+        &mut self.flash
     }
 
-    /// Writes the head, and the item of `used` bytes.
+    fn at(&self, page: u32) -> u32 {
+        self.start + page * F::ERASE_SIZE as u32
+    }
+
+    /// The record in a page; `None` if there is none that is whole and in force.
     #[inline(never)]
-    fn store(&mut self, key: u8, item: &mut [u8; ITEM], used: usize, generation: u32) -> Result<(), StoreError> {
-        let (head, _) = item.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
-        let [v0, v1] = VERSION.to_le_bytes();
-        let [g0, g1, g2, g3] = generation.to_le_bytes();
-        *head = [v0, v1, g0, g1, g2, g3];
-        let bytes = item.get(..used).ok_or(StoreError)?;
-        let mut buffer = [0; ITEM + 16];
-        wait(self.map.store_item(&mut buffer, &key, &bytes)).map_err(|_| StoreError)
+    fn record<'b>(&mut self, page: u32, bytes: &'b mut [u8; RECORD]) -> Option<Record<'b>> {
+        self.flash.read(self.at(page), bytes).ok()?;
+        let (mark, record) = bytes.split_first_chunk()?;
+        let ([v0, v1, l0, l1, s0, s1, s2, s3], rest) = record.split_first_chunk::<HEAD>()?;
+        let length = usize::from(u16::from_le_bytes([*l0, *l1]));
+        let (content, rest) = rest.split_at_checked(length)?;
+        let crc = u32::from_le_bytes(*rest.first_chunk()?);
+        let whole = *mark == IN_FORCE && checksum(record.get(..HEAD + length)?) == crc;
+        let (version, sequence) = (u16::from_le_bytes([*v0, *v1]), u32::from_le_bytes([*s0, *s1, *s2, *s3]));
+        whole.then_some(Record { version, sequence, content })
     }
+
+    /// Where that fails, the record of the later sequence number counts all the same.
+    fn put_out_of_force(&mut self, page: u32) {
+        let _ = self.flash.write(self.at(page), &[0; MARK]);
+    }
+
+    /// Whether nothing is written in a page. What cannot be read is not blank.
+    #[inline(never)]
+    fn blank(&mut self, page: u32) -> bool {
+        let mut word = [0; MARK];
+        let page = self.at(page);
+        (page..page + F::ERASE_SIZE as u32)
+            .step_by(MARK)
+            .all(|at| self.flash.read(at, &mut word).is_ok() && word == IN_FORCE)
+    }
+}
+
+fn settings(content: &[u8]) -> Option<(Settings, &[u8])> {
+    let (settings, rest) = postcard::take_from_bytes::<Settings>(content).ok()?;
+    settings.validate().ok().map(|()| (settings, rest))
+}
+
+fn model(content: &[u8]) -> Result<Option<Model>, ()> {
+    let (model, rest) = postcard::take_from_bytes::<Option<Model>>(content).map_err(|_| ())?;
+    let usable = rest.is_empty() && model.as_ref().is_none_or(|model| model.validate().is_ok());
+    if usable { Ok(model) } else { Err(()) }
+}
+
+/// Writes a record; the bytes of it and its mark, as many as whole words take.
+#[inline(never)]
+fn write(
+    bytes: &mut [u8; RECORD],
+    settings: &Settings,
+    model: Option<&Model>,
+    sequence: u32,
+) -> Result<usize, StoreError> {
+    let (_, record) = bytes.split_first_chunk_mut::<MARK>().ok_or(StoreError)?;
+    let (head, room) = record.split_first_chunk_mut::<HEAD>().ok_or(StoreError)?;
+    let length = postcard::to_slice(&(settings, model), room).map_err(|_| StoreError)?.len();
+    let ([v0, v1], [l0, l1]) = (VERSION.to_le_bytes(), (length as u16).to_le_bytes());
+    let [s0, s1, s2, s3] = sequence.to_le_bytes();
+    *head = [v0, v1, l0, l1, s0, s1, s2, s3];
+    let (covered, rest) = record.split_at_mut_checked(HEAD + length).ok_or(StoreError)?;
+    *rest.first_chunk_mut::<CRC>().ok_or(StoreError)? = checksum(covered).to_le_bytes();
+    Ok((MARK + HEAD + length + CRC).next_multiple_of(MARK))
 }
 
 impl<F: NorFlash> Store for FlashStore<F> {
     #[inline(never)]
     fn save(&mut self, settings: &Settings, model: Option<&Model>) -> Result<(), StoreError> {
-        if self.spoilt {
-            // Items of an older generation would pass for those of this one: the last number is not known.
-            wait(self.map.erase_all()).map_err(|_| StoreError)?;
+        let (page, sequence) = self.kept.map_or((0, 0), |(page, sequence)| (1 - page, sequence.wrapping_add(1)));
+        let mut bytes = [0xff; RECORD];
+        let used = write(&mut bytes, settings, model, sequence)?;
+        let at = self.at(page);
+        if !self.blank(page) {
+            self.flash.erase(at, at + F::ERASE_SIZE as u32).map_err(|_| StoreError)?;
         }
-        let generation = self.generation.wrapping_add(1);
-        self.put(SETTINGS, settings, generation)?;
-        self.put(MODEL, &model, generation)?;
-        self.put(GENERATION, &generation, generation)?;
-        self.generation = generation;
+        let record = bytes.get(MARK..used).ok_or(StoreError)?;
+        self.flash.write(at + MARK as u32, record).map_err(|_| StoreError)?;
         // On cells that are not as erased as they look a write ends well and something else stands there.
-        let kept = self.read(*settings);
-        self.spoilt = kept.lost.is_some();
-        let same =
-            !self.spoilt && self.generation == generation && kept.settings == *settings && kept.model.as_ref() == model;
-        if same { Ok(()) } else { Err(StoreError) }
-    }
-}
-
-/// Runs a future of a flash that blocks: it is ready when first asked. One that is not is asked again.
-fn wait<T>(future: impl Future<Output = T>) -> T {
-    let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
-    loop {
-        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
-            return value;
+        let written = bytes.get(..used).ok_or(StoreError)?;
+        let mut word = IN_FORCE;
+        for (at, expected) in (at..).step_by(MARK).zip(written.chunks(MARK)) {
+            self.flash.read(at, &mut word).map_err(|_| StoreError)?;
+            if word != *expected {
+                return Err(StoreError);
+            }
         }
+        if let Some((before, _)) = self.kept.replace((page, sequence)) {
+            self.put_out_of_force(before);
+        }
+        Ok(())
     }
 }

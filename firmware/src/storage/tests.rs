@@ -1,22 +1,48 @@
-use breakaway_core::link::{FaultCause, Model, Settings};
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use breakaway_core::link::{EffectId, FaultCause, Model, Settings, WireEffect, checksum};
+use breakaway_core::plant::MAX_EFFECTS;
+use breakaway_core::plant::effect::MAX_PARAMETERS;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use std::vec;
 use std::vec::Vec;
 
 use super::{FlashStore, Loaded, Store};
 
-/// Two pages of a flash that programs words of 8 bytes, as the STM32G4's.
+/// Two pages of a flash that programs words of 8 bytes, as the STM32G4's; and for how many more bytes there is power.
 #[derive(Clone)]
-struct Ram(Vec<u8>);
+struct Ram(Vec<u8>, usize);
 
 const PAGE: usize = 2048;
+const ALWAYS: usize = usize::MAX;
+
+/// Power was cut.
+#[derive(Debug)]
+struct Cut;
+
+impl NorFlashError for Cut {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl Ram {
+    /// Changes cells one after the other, as far as the power goes.
+    fn change(&mut self, at: usize, to: impl ExactSizeIterator<Item = u8>) -> Result<(), Cut> {
+        let length = to.len();
+        let powered = length.min(self.1);
+        self.0[at..].iter_mut().zip(to).take(powered).for_each(|(cell, byte)| *cell = byte);
+        if self.1 != ALWAYS {
+            self.1 -= powered;
+        }
+        if powered == length { Ok(()) } else { Err(Cut) }
+    }
+}
 
 impl ErrorType for &mut Ram {
-    type Error = core::convert::Infallible;
+    type Error = Cut;
 }
 impl ReadNorFlash for &mut Ram {
     const READ_SIZE: usize = 1;
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
         bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
         Ok(())
     }
@@ -27,20 +53,21 @@ impl ReadNorFlash for &mut Ram {
 impl NorFlash for &mut Ram {
     const WRITE_SIZE: usize = 8;
     const ERASE_SIZE: usize = PAGE;
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        self.0[from as usize..to as usize].fill(0xff);
-        Ok(())
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.change(from as usize, std::iter::repeat_n(0xff, (to - from) as usize))
     }
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
-        for (cell, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
-            *cell &= byte;
-        }
-        Ok(())
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        let at = offset as usize;
+        assert!(at.is_multiple_of(8) && bytes.len().is_multiple_of(8), "{} bytes at {at}", bytes.len());
+        // A word is programmed once between erases (RM0440: else an error).
+        let before = &self.0[at..at + bytes.len()];
+        assert!(before.iter().all(|cell| *cell == 0xff), "programmed twice at {at}");
+        self.change(at, bytes.iter().copied())
     }
 }
 
 fn blank() -> Ram {
-    Ram(vec![0xff; 2 * PAGE])
+    Ram(vec![0xff; 2 * PAGE], ALWAYS)
 }
 
 fn store(ram: &mut Ram) -> FlashStore<&mut Ram> {
@@ -59,7 +86,7 @@ fn model(n: u32) -> Option<Model> {
 fn what_was_saved_last_is_loaded_over_many_saves() {
     let mut ram = blank();
     assert_eq!(store(&mut ram).load(settings(0)), Loaded::defaults(settings(0)));
-    // 200 saves of about 150 bytes go round both pages several times.
+    // The pages take turns.
     for n in 1..200 {
         let mut open = store(&mut ram);
         open.load(settings(0));
@@ -79,8 +106,8 @@ fn a_damaged_image_is_defaults_and_a_fault_or_what_was_saved() {
     }
     let saved = Loaded { settings: settings(4), model: model(4), lost: None };
     let mut lost = 0;
-    // Each byte of the first page turned over, one at a time: never an older or a wrong value without a word.
-    for at in 0..PAGE {
+    // Each byte turned over, one at a time: never an older or a wrong value without a word.
+    for at in 0..2 * PAGE {
         let mut damaged = good.clone();
         damaged.0[at] ^= 0x5a;
         let loaded = store(&mut damaged).load(settings(0));
@@ -94,14 +121,88 @@ fn a_damaged_image_is_defaults_and_a_fault_or_what_was_saved() {
             other => panic!("byte {at}: {other:?} with {loaded:?}"),
         }
     }
-    // The three items in force have more than 60 bytes of content between them.
+    // The record in force has more than 60 bytes of content.
     assert!(lost > 60, "only {lost} bytes matter");
 }
 
 #[test]
 fn a_blank_flash_and_noise_are_told_apart() {
-    let mut noise = Ram((0..2 * PAGE as u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect());
+    let mut noise = Ram((0..2 * PAGE as u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect(), ALWAYS);
     assert_eq!(store(&mut noise).load(settings(0)).lost, Some((FaultCause::SettingsLost, -1)));
     assert_eq!(store(&mut blank()).load(settings(0)).lost, None);
     assert!(FlashStore::new(&mut blank(), 0..PAGE as u32).is_none(), "one page is not enough");
+}
+
+#[test]
+fn power_cut_anywhere_in_a_save_leaves_what_was_there_or_what_is_new_and_the_next_save_works() {
+    for saves in 1..4 {
+        let mut before = blank();
+        for n in 1..=saves {
+            let mut open = store(&mut before);
+            open.load(settings(0));
+            open.save(&settings(n), model(n).as_ref()).unwrap();
+        }
+        let old = Loaded { settings: settings(saves), model: model(saves), lost: None };
+        let new = Loaded { settings: settings(50), model: model(50), lost: None };
+        let mut news = 0;
+        // A save over a page that was used erases its 2048 bytes, then writes under 200.
+        for power in 0..PAGE + 200 {
+            let mut ram = before.clone();
+            let saved = {
+                let mut open = store(&mut ram);
+                open.load(settings(0));
+                open.flash().1 = power;
+                open.save(&settings(50), model(50).as_ref())
+            };
+            ram.1 = ALWAYS;
+            let found = store(&mut ram).load(settings(0));
+            assert!(found == old && saved.is_err() || found == new, "{power}: {saved:?}, {found:?}");
+            news += usize::from(found == new);
+            // What start-up found it finds again, also where it has put the older record out of force.
+            assert_eq!(store(&mut ram).load(settings(0)), found, "{power}");
+            let mut open = store(&mut ram);
+            open.load(settings(0));
+            open.save(&settings(60), None).unwrap();
+            let last = Loaded { settings: settings(60), model: None, lost: None };
+            assert_eq!(store(&mut ram).load(settings(0)), last, "{power}");
+        }
+        assert!((1..PAGE + 200).contains(&news), "{news} of the cuts were after the record");
+    }
+}
+
+#[test]
+fn a_record_of_another_version_is_lost_and_its_version_said() {
+    let mut ram = blank();
+    store(&mut ram).save(&settings(1), None).unwrap();
+    // Mark, version, length, sequence; the CRC stands behind the content.
+    ram.0[8..10].copy_from_slice(&77_u16.to_le_bytes());
+    let end = 16 + usize::from(u16::from_le_bytes([ram.0[10], ram.0[11]]));
+    let crc = checksum(&ram.0[8..end]);
+    ram.0[end..end + 4].copy_from_slice(&crc.to_le_bytes());
+    assert_eq!(store(&mut ram).load(settings(0)).lost, Some((FaultCause::SettingsLost, 77)));
+}
+
+#[test]
+fn the_largest_settings_and_model_fit_a_record() {
+    // Numbers take as many bytes as they are large.
+    let settings = Settings {
+        drive_max_code: i16::MIN,
+        travel_min_counts: i32::MIN,
+        travel_max_counts: i32::MIN,
+        speed_max_counts_per_s: u32::MAX,
+        current_max_ma: u32::MAX,
+        mean_drive_max_code: i16::MIN,
+        frozen_ticks: u32::MAX,
+        frozen_drive_code: i16::MIN,
+        jump_counts: u32::MAX,
+        overrun_limit: u8::MAX,
+        command_timeout_ms: u32::MAX,
+        hysteresis_counts: u32::MAX,
+        counts_per_revolution: u32::MAX,
+        ..Settings::default()
+    };
+    let effect = WireEffect { id: EffectId(u32::MAX), parameters: [0.1; MAX_PARAMETERS].into_iter().collect() };
+    let effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+    let model = Model { b: 0.1, c: 0.2, f1: 0.3, effects };
+    assert_eq!(store(&mut blank()).save(&settings, Some(&model)), Ok(()));
 }

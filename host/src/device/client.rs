@@ -24,8 +24,8 @@ const HELLO_AGAIN: Duration = Duration::from_millis(150);
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long solving or writing flash may take, on the slowest target.
 const LONG_TIMEOUT: Duration = Duration::from_secs(15);
-/// How often the reading thread looks whether it should end.
-const POLL: Duration = Duration::from_millis(50);
+/// How often the reading thread looks whether it should end: what closing a port waits for.
+const POLL: Duration = Duration::from_millis(10);
 /// The device's guard against a lost link counts from the last command.
 const KEEP_ALIVE: Duration = Duration::from_millis(200);
 

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use breakaway_core::link::{FaultCause, Model, Settings, WireEffect};
 use breakaway_core::plant::{Effect, Kind};
 use breakaway_firmware::storage::{FlashStore, Loaded, Store};
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 /// Bytes of an erase page: small, so that most of an image matters.
 pub const PAGE: usize = 512;
@@ -19,7 +19,7 @@ impl ErrorType for &mut Ram {
 
 impl ReadNorFlash for &mut Ram {
     const READ_SIZE: usize = 1;
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
         bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
         Ok(())
     }
@@ -31,11 +31,11 @@ impl ReadNorFlash for &mut Ram {
 impl NorFlash for &mut Ram {
     const WRITE_SIZE: usize = 8;
     const ERASE_SIZE: usize = PAGE;
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
         self.0[from as usize..to as usize].fill(0xff);
         Ok(())
     }
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
         for (cell, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
             *cell &= byte;
         }

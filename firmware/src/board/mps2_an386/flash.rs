@@ -2,7 +2,7 @@
 //! QEMU was given one (`-semihosting-config enable=on,target=native,arg=image,arg=FILE`).
 
 use cortex_m_semihosting::{nr, syscall};
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 
 use super::PSRAM;
 
@@ -112,7 +112,7 @@ impl ErrorType for SimulatedFlash {
 impl ReadNorFlash for SimulatedFlash {
     const READ_SIZE: usize = 1;
 
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         bytes.copy_from_slice(self.cells(offset, bytes.len(), 1)?);
         Ok(())
     }
@@ -126,13 +126,13 @@ impl NorFlash for SimulatedFlash {
     const WRITE_SIZE: usize = 8;
     const ERASE_SIZE: usize = PAGE;
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         self.cells(from, to.saturating_sub(from) as usize, PAGE)?.fill(0xff);
         self.write_file();
         Ok(())
     }
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         // Programming only clears bits.
         let cells = self.cells(offset, bytes.len(), Self::WRITE_SIZE)?;
         cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell &= byte);

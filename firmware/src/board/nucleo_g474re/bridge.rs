@@ -9,13 +9,11 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_stm32::gpio::Output;
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::TIM1;
-use embassy_stm32::timer::Channel;
-use embassy_stm32::timer::complementary_pwm::{ComplementaryPwm, Ossi, Ossr};
+use embassy_stm32::pac::timer::vals::{Cms, Ocm, Ossi, Ossr};
 use embedded_hal::digital::{self, OutputPin, PinState};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-use super::constants::{BREAK_FILTER, BREAK_LEVEL, DEAD_TIME_CLOCKS, DEAD_TIME_COUNTS, DRIVE_MAX_CODE};
+use super::constants::{BREAK_FILTER, BREAK_LEVEL, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS};
 use crate::board::{Limits, SignMagnitude};
 
 /// The power stage.
@@ -25,10 +23,7 @@ pub type Bridge = SignMagnitude<Magnitude, Direction, Enable>;
 static POSITIVE: AtomicBool = AtomicBool::new(true);
 
 /// The duty cycle of the leg that drives.
-pub struct Magnitude {
-    /// PWM counts at full duty.
-    full: u16,
-}
+pub struct Magnitude;
 
 /// Which leg drives.
 pub struct Direction;
@@ -39,31 +34,47 @@ pub struct Enable {
     lamp: Output<'static>,
 }
 
-/// Sets up the timer's outputs, off; `input` is the power stage's enable input, `lamp` shows that it is on.
+/// Sets up the timer's outputs, off; `input` is the power stage's enable input, `lamp` shows that it is on. TIM1 has its clock and
+/// its pins; once.
 ///
 /// # Panics
 /// If the constants do not fit each other, on the first start with them.
-pub fn bridge(mut timer: ComplementaryPwm<'static, TIM1>, input: Output<'static>, lamp: Output<'static>) -> Bridge {
-    timer.set_master_output_enable(false);
-    timer.set_dead_time(DEAD_TIME_CLOCKS);
-    // Off means driven to the inactive level, not left floating: after MOE = 0 all outputs are low (the reset value of
-    // OISx and OISxN).
-    timer.set_off_state_selection_idle(Ossi::IDLE_LEVEL);
-    timer.set_off_state_selection_run(Ossr::IDLE_LEVEL);
-    timer.set_automatic_output_enable(false);
-    timer.set_break_polarity(BREAK_LEVEL);
-    timer.set_break_filter(BREAK_FILTER);
-    timer.set_break_input_pin_enable(true);
-    timer.set_break_enable(true);
-    for leg in [Channel::Ch1, Channel::Ch2] {
-        timer.set_duty(leg, 0);
-        timer.enable(leg);
-    }
-    let full = u16::try_from(timer.get_max_duty()).unwrap_or(u16::MAX);
-    // Stays as it is until the next reset; dropped, it would be switched off.
-    core::mem::forget(timer);
+pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
+    let timer = pac::TIM1;
+    timer.arr().write(|last| last.set_arr(PWM_COUNTS));
+    timer.ccmr_output(0).write(|outputs| {
+        for leg in [0, 1] {
+            outputs.set_ocm(leg, Ocm::PWM_MODE1);
+            outputs.set_ocpe(leg, true);
+        }
+    });
+    timer.ccer().write(|outputs| {
+        for leg in [0, 1] {
+            outputs.set_cce(leg, true);
+            outputs.set_ccne(leg, true);
+        }
+    });
+    // The pin is the one source of breaks.
+    timer.af1().write(|breaks| breaks.set_bkine(true));
+    // MOE = 0: off. Off means driven to the inactive level, not left floating: then all outputs are low (the reset value of
+    // OISx and OISxN). AOE = 0: nothing comes on by itself.
+    timer.bdtr().write(|break_and_dead_time| {
+        break_and_dead_time.set_dtg(DEAD_TIME_CODE);
+        break_and_dead_time.set_ossi(Ossi::IDLE_LEVEL);
+        break_and_dead_time.set_ossr(Ossr::IDLE_LEVEL);
+        break_and_dead_time.set_bkp(0, BREAK_LEVEL);
+        break_and_dead_time.set_bkf(0, BREAK_FILTER);
+        break_and_dead_time.set_bke(0, true);
+    });
+    timer.cr1().write(|control| {
+        control.set_cms(Cms::CENTER_ALIGNED3);
+        control.set_arpe(true);
+    });
+    // Period and duty (0) are taken over by an update.
+    timer.egr().write(|events| events.set_ug(true));
+    timer.cr1().modify(|control| control.set_cen(true));
     let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS };
-    let Ok(bridge) = SignMagnitude::new(Magnitude { full }, Direction, Enable { input, lamp }, limits) else {
+    let Ok(bridge) = SignMagnitude::new(Magnitude, Direction, Enable { input, lamp }, limits) else {
         panic!("the drive's constants do not fit each other");
     };
     bridge
@@ -93,7 +104,7 @@ impl pwm::ErrorType for Magnitude {
 
 impl SetDutyCycle for Magnitude {
     fn max_duty_cycle(&self) -> u16 {
-        self.full
+        PWM_COUNTS
     }
 
     fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {

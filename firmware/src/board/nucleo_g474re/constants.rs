@@ -2,7 +2,7 @@
 //! STM32G474; UM2505: the NUCLEO-64 boards. Pins are in `start.rs`, and in docs/board-nucleo-g474re.md with the wiring.
 
 use embassy_stm32::interrupt::Priority;
-use embassy_stm32::timer::low_level::{BreakInputPolarity, FilterValue};
+use embassy_stm32::pac::timer::vals::{Bkp, FilterValue};
 
 use crate::board::FULL_SCALE;
 
@@ -21,10 +21,20 @@ pub const CLOCK_HZ: u32 = 1_000_000;
 
 /// PWM, Hz: above hearing, and two whole periods per tick, so that every drive code is held equally long.
 pub const PWM_HZ: u32 = 20_000;
+/// PWM counts of full duty: the timer counts up to them and down again in one period.
+pub const PWM_COUNTS: u16 = (CORE_HZ / PWM_HZ / 2) as u16;
 /// Dead time between the two switches of a leg, core clocks: 494 ns. Longer than the turn-off of common 30 A bridges
 /// (under 300 ns); for yours, take the turn-off delay plus fall time from its data sheet and add half. Even, so that
 /// [`DEAD_TIME_COUNTS`] is exact.
 pub const DEAD_TIME_CLOCKS: u16 = 84;
+/// The dead time as TIM1 takes it (RM0440, DTG): in steps of 1, 2 or 8 clocks, the longer the coarser. One that does not lie on a
+/// step does not compile.
+pub const DEAD_TIME_CODE: u8 = match DEAD_TIME_CLOCKS {
+    clocks @ 0..=127 => clocks as u8,
+    clocks @ 128..=254 if clocks.is_multiple_of(2) => 0x80 | (clocks / 2 - 64) as u8,
+    clocks @ 256..=504 if clocks.is_multiple_of(8) => 0xc0 | (clocks / 8 - 32) as u8,
+    _ => panic!("no such dead time"),
+};
 /// What the dead time takes from each pulse, PWM counts: a pulse of a centre-aligned PWM is two counts per clock long.
 pub const DEAD_TIME_COUNTS: u16 = DEAD_TIME_CLOCKS / 2;
 /// Largest drive, drive codes: 95 % of the supply. The high side's bootstrap capacitor is charged in the rest.
@@ -32,14 +42,16 @@ pub const DRIVE_MAX_CODE: i16 = (FULL_SCALE as i32 * 95 / 100) as i16;
 
 /// The level at which the break input switches off. High with a pull-up: a cut wire and a missing plug switch off. For
 /// a power stage whose fault output is low when tripped (open drain), `ACTIVE_LOW`; then a cut wire is not noticed.
-pub const BREAK_LEVEL: BreakInputPolarity = BreakInputPolarity::ACTIVE_HIGH;
+pub const BREAK_LEVEL: Bkp = Bkp::ACTIVE_HIGH;
 /// The break input must stay for 8 samples at 1/8 of the core clock, 0.38 µs: longer than the spikes of a switching leg,
 /// a tenth of what a short circuit takes to destroy a transistor.
 pub const BREAK_FILTER: FilterValue = FilterValue::FDTS_DIV8_N8;
 /// What a trip of the break input is called in the fault record.
 pub const BREAK_NUMBER: i32 = 1;
-/// The alternate function that is TIM1_BKIN on PA6 (DS12288, alternate function mapping).
-pub const BREAK_FUNCTION: u8 = 6;
+/// The alternate function that is TIM1 on PA6 to PA9 and PB0 (DS12288, alternate function mapping).
+pub const TIM1_FUNCTION: u8 = 6;
+/// That which is TIM2 on PA0 and PA1.
+pub const TIM2_FUNCTION: u8 = 1;
 
 /// An encoder edge must stay for 8 samples at 1/4 of the core clock, 0.19 µs: bounce and cross-talk are shorter, and a
 /// quarter of a line at the fastest motor is longer (10 000 lines at 6000 rpm: 0.25 µs).
@@ -48,12 +60,13 @@ pub const ENCODER_FILTER: FilterValue = FilterValue::FDTS_DIV4_N8;
 /// The watchdog resets the board after this many µs without a good tick: 50 ticks, more than a run tolerates late ones
 /// ([`breakaway_core::link::Settings::overrun_limit`]), so that the fault with its cause comes first.
 pub const WATCHDOG_US: u32 = 5_000;
+/// The watchdog's reload value: steps of 4 periods of the LSI, 32 kHz.
+pub const WATCHDOG_RELOAD: u16 = (WATCHDOG_US / 4 * 32 / 1000 - 1) as u16;
 
 /// The tick is above everything else.
 pub const TICK_PRIORITY: Priority = Priority::P0;
-/// Link and flash: they can wait for a tick.
-pub const OTHER_PRIORITY: Priority = Priority::P8;
-
+/// The alternate function that is LPUART1 on PA2 and PA3 (DS12288, alternate function mapping).
+pub const LINK_FUNCTION: u8 = 12;
 /// Received bytes that wait: 1.4 ms at 921 600 baud, many polls. A host that waits for each answer has no more than
 /// one request on the way.
 pub const RECEIVE_BYTES: usize = 128;
@@ -64,4 +77,8 @@ pub const SEND_BYTES: usize = 128;
 /// fetching from there while bank 2 is erased (RM0440, read while write): ticks are not held up by a save.
 pub const SETTINGS_AT: u32 = (512 - 4) * 1024;
 /// Bytes for the settings: two erase pages of 2 KiB (RM0440, dual-bank organisation).
-pub const SETTINGS_BYTES: u32 = 4 * 1024;
+pub const SETTINGS_BYTES: u32 = 2 * SETTINGS_PAGE_BYTES;
+/// An erase page, bytes.
+pub const SETTINGS_PAGE_BYTES: u32 = 2 * 1024;
+/// Number of the first of them in bank 2, which starts at 256 KiB.
+pub const SETTINGS_PAGE: u8 = ((SETTINGS_AT - 256 * 1024) / SETTINGS_PAGE_BYTES) as u8;

@@ -3,8 +3,7 @@
 use core::convert::Infallible;
 
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::TIM2;
-use embassy_stm32::timer::qei::Qei;
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Sms};
 
 use super::constants::ENCODER_FILTER;
 use crate::board::Encoder;
@@ -13,16 +12,18 @@ use crate::board::Encoder;
 pub struct Quadrature(());
 
 impl Quadrature {
-    /// Takes the timer, counting.
-    pub fn new(timer: Qei<'static, TIM2>) -> Self {
-        pac::TIM2.ccmr_input(0).modify(|inputs| {
-            inputs.set_icf(0, ENCODER_FILTER);
-            inputs.set_icf(1, ENCODER_FILTER);
+    /// Starts it; once. TIM2 has its clock and its pins.
+    pub(super) fn start() -> Self {
+        pac::TIM2.ccmr_input(0).write(|inputs| {
+            for input in [0, 1] {
+                // Each channel from its own pin (the register's 01).
+                inputs.set_ccs(input, CcmrInputCcs::TI4);
+                inputs.set_icf(input, ENCODER_FILTER);
+            }
         });
-        // All 32 bits; the driver knows of 16.
+        pac::TIM2.smcr().write(|mode| mode.set_sms(Sms::ENCODER_MODE_3));
         pac::TIM2.arr().write_value(u32::MAX);
-        // Stays as it is until the next reset; dropped, it would be switched off.
-        core::mem::forget(timer);
+        pac::TIM2.cr1().write(|control| control.set_cen(true));
         Self(())
     }
 }

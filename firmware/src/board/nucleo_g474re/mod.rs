@@ -17,7 +17,7 @@ pub use encoder::Quadrature;
 pub use flash::{FlashError, SettingsFlash, acknowledge_ecc};
 pub use protection::Guard;
 pub use retained::RetainedRam;
-pub use serial::{Outgoing, Serial, send};
+pub use serial::Serial;
 pub use start::{Parts, start};
 pub use ticks::{TickTimer, on_tick};
 

@@ -1,26 +1,27 @@
 //! Break input and watchdog.
 
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::IWDG;
-use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
 use super::bridge::take_break;
-use super::constants::BREAK_NUMBER;
+use super::constants::{BREAK_NUMBER, WATCHDOG_RELOAD};
 use crate::board::{Protection, Trip};
 
 /// What protects the machine.
 pub struct Guard {
-    watchdog: IndependentWatchdog<'static, IWDG>,
     watchdog_reset: bool,
 }
 
 impl Guard {
-    /// Starts the watchdog: from here on ticks must come.
-    pub fn start(mut watchdog: IndependentWatchdog<'static, IWDG>) -> Self {
+    /// Starts the watchdog, once: from here on ticks must come.
+    pub(super) fn start() -> Self {
         let watchdog_reset = pac::RCC.csr().read().iwdgrstf();
         pac::RCC.csr().modify(|causes| causes.set_rmvf(true));
-        watchdog.unleash();
-        Self { watchdog, watchdog_reset }
+        pac::IWDG.kr().write(|key| key.set_key(Key::ENABLE));
+        pac::IWDG.pr().write(|prescaler| prescaler.set_pr(Pr::DIVIDE_BY4));
+        pac::IWDG.rlr().write(|reload| reload.set_rl(WATCHDOG_RELOAD));
+        pac::IWDG.kr().write(|key| key.set_key(Key::START));
+        Self { watchdog_reset }
     }
 }
 
@@ -34,6 +35,6 @@ impl Protection for Guard {
     }
 
     fn feed_watchdog(&mut self) {
-        self.watchdog.pet();
+        pac::IWDG.kr().write(|key| key.set_key(Key::RESET));
     }
 }
