@@ -124,8 +124,8 @@ pub fn try_plant(plant: &Random) -> Outcome {
         bandwidth_hz: None,
         drive_limit: limit,
         encoder_step: step,
-        speed,
-        acceleration,
+        speed: Some(speed),
+        acceleration: Some(acceleration),
         adaptation_rate: 1.0,
     };
     let Ok(design) = Design::new(&known, &request) else { return failed(Verdict::Unstable) };
