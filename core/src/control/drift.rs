@@ -31,8 +31,6 @@ pub const BINS: usize = 16;
 const CUT: f64 = 8.0;
 /// What the scale of a short stretch is multiplied with: it may have been a quiet one.
 const UNSURE: f64 = 1.25;
-/// Ticks until blocks are taken after the observer has started anew with a velocity of 0, over those after a reversal.
-const START: u32 = 3;
 
 /// Which way the missing force acts, against the motion it was found in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,8 +113,6 @@ struct Sum<R> {
 #[derive(Clone, Copy, Debug)]
 pub struct DriftState<R> {
     started: bool,
-    /// Ticks until the observer has settled after its start.
-    wait: u32,
     x: R,
     v: R,
     moving: u32,
@@ -140,7 +136,6 @@ impl<R: Fast> Default for DriftState<R> {
     fn default() -> Self {
         Self {
             started: false,
-            wait: 0,
             x: R::ZERO,
             v: R::ZERO,
             moving: 0,
@@ -264,15 +259,14 @@ impl<R: Fast> DriftWatch<R> {
     pub fn tick(&self, state: &mut DriftState<R>, u: R, x: R) -> Option<ModelMismatch<R>> {
         if !state.started {
             state.interrupt();
-            (state.started, state.x, state.wait) = (true, x, START * self.settle);
+            (state.started, state.x) = (true, x);
             if state.sides.iter().all(|side| side.blocks == 0) {
                 (state.low, state.high) = (x, x);
             }
             return None;
         }
         self.observe(state, u, x);
-        state.wait = state.wait.saturating_sub(1);
-        let sign = if state.wait > 0 || state.v.abs() <= self.rest_speed {
+        let sign = if state.v.abs() <= self.rest_speed {
             0
         } else if state.v > R::ZERO {
             1
