@@ -77,15 +77,15 @@ fn failures(out: &mut String, outcomes: &[(Random, Outcome)]) {
         "
 The failures:
 
-| plant | b | c | f1 | effect | counts per turn | delay | what | at rest, counts | after saturation, counts |
-|---|---|---|---|---|---|---|---|---|---|
+| plant | b | c | f1 | effect | counts per turn | delay | what | at rest, counts | after saturation, counts | ∫e needs for f1, s |
+|---|---|---|---|---|---|---|---|---|---|---|
 ",
     );
     for (plant, outcome) in failed {
         let effect = plant.effect.map_or("none", |effect| effect.kind.name());
         let _ = writeln!(
             out,
-            "| {} | {:.4} | {:.4} | {:.4} | {effect} | {} | {} | {:?} | {:.2} | {:.2} |",
+            "| {} | {:.4} | {:.4} | {:.4} | {effect} | {} | {} | {:?} | {:.2} | {:.2} | {:.0} |",
             plant.number,
             plant.base.b,
             plant.base.c,
@@ -94,13 +94,14 @@ The failures:
             plant.delay_ticks,
             outcome.verdict,
             outcome.rest_counts,
-            outcome.left_counts
+            outcome.left_counts,
+            outcome.break_away_s
         );
     }
     out.push_str(
         "
 What \"not back\" is, where the count is a few: the axis stands within friction, and the integral needs b·Kv·Λ1·∫e = f1 to break it away. Where f1 is large for b (the bandwidth is bounded by the tick, so the stiffness
-b·Kv·Λ2 is bounded by b) that takes longer than the 15 s. A saturating move on an axis with little damping comes back in swings that decay slowly: give references that the drive can follow.
+b·Kv·Λ2 is bounded by b) that takes longer than the 15 s (the last column, with the error as it is at the end, and up to twice that where the move has left the integral on the other side). Compensation does not help there: while the reference rests it leaves friction alone, or it would move an axis that stands. A saturating move on an axis with little damping comes back in swings that decay slowly: give references that the drive can follow.
 ",
     );
 }

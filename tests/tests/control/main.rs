@@ -2,6 +2,7 @@
 //!
 //! The loop is the one of `breakaway track`: the core's controller in f32 behind an encoder and a tick of delay.
 
+mod adaptation;
 mod compensation;
 mod robust;
 
