@@ -238,8 +238,9 @@ impl<R: Fast> DriftWatch<R> {
             l2: real(l2 / tick_s),
             force: real(base.b * l2 / (tick_s * tick_s) + base.c * l1 / tick_s),
             hop,
-            per_block: R::from_f64(0.5 / f64::from(hop)),
-            window: R::from_f64(15.0 / f64::from(hop)),
+            // In the board's numbers: a division in f64 is a kilobyte of its flash.
+            per_block: R::from_f64(0.5) / R::from_u32(hop),
+            window: R::from_f64(15.0) / R::from_u32(hop),
             settle: (settle_s / tick_s).to_u32().min(1 << 24),
             rest_speed: real(rest_speed),
             calibration,
