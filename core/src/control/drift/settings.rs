@@ -76,12 +76,7 @@ impl<F: Real> DriftSettings<F> {
         let settle_s = number(4.0) / bandwidth_rad_s;
         // A sine is below the rest speed for less than that share of its stroke; a twentieth in hand.
         let usable_s = (stroke_s * (F::ONE - rest_speed / speed) - settle_s).scale(0.95);
-        // Of half a step of noise, after the window's derivatives: ∫w″² is 720 and ∫w′² is 120/7 per block.
-        let noise = |block_s: F| {
-            let per_s = F::ONE / block_s;
-            let viscous = base.c.scale(4.14) + base.b.scale(26.83) * per_s;
-            viscous * per_s * (tick_s * per_s).sqrt() * encoder_step.scale(0.5)
-        };
+        let noise = |block_s: F| noise(base, encoder_step, tick_s, block_s);
         let mut block_s = number(3.0) / bandwidth_rad_s;
         while block_s < usable_s && noise(block_s) > base.f1.scale(RISE / SCALES) {
             block_s = block_s.scale(1.1);
@@ -105,6 +100,14 @@ impl<F: Real> DriftSettings<F> {
             smallest_scale: noise(block_s).max(base.f1.scale(0.02)),
         })
     }
+}
+
+/// What half an encoder step of noise makes of a block, drive units: ∫w″² is 720 and ∫w′² is 120/7 per block.
+#[inline(never)]
+fn noise<F: Real>(base: &Base<F>, encoder_step: F, tick_s: F, block_s: F) -> F {
+    let per_s = F::ONE / block_s;
+    let force = base.c.scale(4.14) + base.b.scale(26.83) * per_s;
+    force * per_s * (tick_s * per_s).sqrt() * encoder_step.scale(0.5)
 }
 
 /// Why a watch is refused; names the parameter.
