@@ -174,7 +174,7 @@ proptest! {
         (model.base.b, model.base.c, model.base.f1) = (b, b * ratio, f1);
         let request = Request {
             tick_s: tick, delay_ticks: delay, bandwidth_hz: None, drive_limit: 12.0, encoder_step: 1e-3,
-            speed: 5.0, acceleration: 50.0, adaptation_rate: 2.0,
+            speed: Some(5.0), acceleration: Some(50.0), adaptation_rate: 2.0,
         };
         let design = Design::new(&model, &request).unwrap();
         let mut again = Design::parse("again", &design.to_toml()).unwrap();

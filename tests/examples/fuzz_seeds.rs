@@ -49,8 +49,8 @@ fn main() {
         bandwidth_hz: None,
         drive_limit: 5.0,
         encoder_step: 1e-3,
-        speed: 10.0,
-        acceleration: 100.0,
+        speed: Some(10.0),
+        acceleration: Some(100.0),
         adaptation_rate: 1.0,
     };
     let design = Design::new(&model, &asked).unwrap();

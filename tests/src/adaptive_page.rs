@@ -293,5 +293,6 @@ An error of 10 % of f1 takes most of the gain away and 20 % nearly all of it. Th
 δ/Λ2 = 7 µm, however large it is; only compensation good enough to keep s well within δ makes the error small. We do not claim the factor of 11: it says as much about δ and the motion as about friction.
 ",
     );
+    out.push_str(&crate::adaptive_default::section());
     out
 }

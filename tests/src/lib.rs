@@ -1,6 +1,7 @@
 //! Shared helpers of the cross-crate tests.
 
 pub mod adaptive;
+pub mod adaptive_default;
 pub mod adaptive_page;
 pub mod blind;
 pub mod drift;

@@ -57,6 +57,8 @@ pub struct Outcome {
     pub left_counts: f64,
     /// Share of the ticks that saturated in the saturating move.
     pub saturated: f64,
+    /// How long the integral of that error needs to build up f1, s.
+    pub break_away_s: f64,
 }
 
 /// The first `count` plants of the series: b, c and f1 log-uniform over two decades, 500 to 20 000 counts per turn,
@@ -115,6 +117,7 @@ pub fn try_plant(plant: &Random) -> Outcome {
         rest_counts: f64::NAN,
         left_counts: f64::NAN,
         saturated: f64::NAN,
+        break_away_s: f64::NAN,
     };
     let effects: Vec<Effect<f64>> = plant.effect.into_iter().collect();
     let known = model(plant.known, &effects);
@@ -124,8 +127,8 @@ pub fn try_plant(plant: &Random) -> Outcome {
         bandwidth_hz: None,
         drive_limit: limit,
         encoder_step: step,
-        speed,
-        acceleration,
+        speed: Some(speed),
+        acceleration: Some(acceleration),
         adaptation_rate: 1.0,
     };
     let Ok(design) = Design::new(&known, &request) else { return failed(Verdict::Unstable) };
@@ -173,6 +176,8 @@ pub fn try_plant(plant: &Random) -> Outcome {
     let tail = &leapt.error[leapt.error.len() - 500..];
     let left_counts = tail.iter().fold(0.0_f64, |m, e| m.max(e.abs())) / step;
 
+    let gains = &design.gains;
+    let break_away_s = f1 / (gains.b * gains.kv * gains.lambda1 * left_counts * step);
     let verdict = if !stable {
         Verdict::Unstable
     } else if rest_counts > COUNTS {
@@ -189,5 +194,6 @@ pub fn try_plant(plant: &Random) -> Outcome {
         rest_counts,
         left_counts,
         saturated: leapt.saturated as f64 / leapt.error.len() as f64,
+        break_away_s,
     }
 }

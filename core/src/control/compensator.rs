@@ -42,6 +42,12 @@ pub struct Feed<R> {
 /// The share of the break-away force that friction compensation may reach.
 const CAP: f64 = 0.98;
 
+/// How far ahead of the reference the drive of a tick acts, s: it is applied `delay_ticks` ticks after its reading and then
+/// held for a tick, on average half a tick more.
+pub fn lead_s<F: Real>(tick_s: F, delay_ticks: u32) -> F {
+    tick_s * (F::from_u32(delay_ticks) + F::from_f64(0.5))
+}
+
 /// Configuration of the compensator. Off by default: it must be switched on with [`Compensator::on`].
 #[derive(Clone, Copy, Debug)]
 pub struct Compensator<R> {
@@ -126,16 +132,16 @@ impl<R: Fast> Compensator<R> {
         self.enabled
     }
 
-    /// Evaluates the model `lead_s` s ahead of the reference: the drive of a tick acts on average half a tick and the
-    /// delay later.
+    /// Evaluates the model `lead_s` s ahead of the reference; [`lead_s`] is what to give it.
     ///
     /// # Errors
     /// [`CompensatorError::Lead`].
-    pub fn with_lead(self, lead_s: f64) -> Result<Self, CompensatorError> {
-        if !(lead_s.is_finite() && lead_s >= 0.0) {
+    pub fn with_lead<F: Real>(self, lead_s: F) -> Result<Self, CompensatorError> {
+        if !(lead_s.is_finite() && lead_s >= F::ZERO) {
             return Err(CompensatorError::Lead);
         }
-        Ok(Self { lead_s: R::from_f64(lead_s), half_lead_s: R::from_f64(0.5 * lead_s), ..self })
+        let real = |value: F| R::from_f64(value.to_f64());
+        Ok(Self { lead_s: real(lead_s), half_lead_s: real(lead_s.scale(0.5)), ..self })
     }
 
     /// References slower than `speed` (X/s, ≥ 0) count as resting: for those from a file, whose zero is not exact.

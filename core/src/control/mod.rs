@@ -31,9 +31,9 @@ mod trajectory;
 mod tuning;
 
 pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal};
-pub use compensator::{Compensator, CompensatorError, Feed};
+pub use compensator::{Compensator, CompensatorError, Feed, lead_s};
 pub use controller::{Command, Controller, ControllerState, Law};
-pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch};
+pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};
 pub use fast::Fast;
 pub use margins::{Margins, margins};
 pub use pid::{Pid, PidState};

@@ -112,7 +112,7 @@ impl<R: Fast> Term<R> {
                 let exponent = match p {
                     None => ratio * ratio,
                     // 0^p = 0 for p > 0.
-                    Some(p) if ratio > R::ZERO => (p * ratio.ln()).exp(),
+                    Some(p) if ratio > R::ZERO => grown(p * ratio.ln()),
                     Some(_) => R::ZERO,
                 };
                 sum.level += s * (-exponent).exp_negative();
@@ -171,4 +171,10 @@ fn turn<F: Real>(radians: F) -> F {
     let size = turns.abs();
     let rest = size - F::from_u32((size + F::from_f64(0.5)).to_u32());
     if turns < F::ZERO { -rest } else { rest }
+}
+
+/// e^y with the exponential that the tick has already: that of a negative number. Beyond y = 8, where e^(−e^y) is nothing, it
+/// stays at its value there.
+fn grown<R: Fast>(y: R) -> R {
+    if y > R::ZERO { R::ONE / (-y.min(R::from_f64(8.0))).exp_negative() } else { y.exp_negative() }
 }

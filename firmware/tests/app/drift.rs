@@ -34,8 +34,8 @@ fn mismatches(bench: &Bench) -> Vec<Mismatch> {
 fn a_change_of_friction_is_told_within_two_seconds() {
     for (factor, sign) in [(1.3, -1.0), (0.7, 1.0)] {
         let mut bench = following(&[]);
-        // Calibration: 64 blocks of 50 ms either way, about half of the time.
-        bench.steps(30_000);
+        // Taught by a stroke and a half either way.
+        bench.steps(5_000);
         assert_eq!(mismatches(&bench), [], "before anything has changed");
         bench.world.0.borrow_mut().base = Base { f1: factor * PLANT.f1, ..PLANT };
         let mut ticks = 0;

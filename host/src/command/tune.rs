@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::output::Output;
 use super::recording_args::{not_negative, positive};
-use crate::control::design::{Design, Request};
+use crate::control::design::{DEFAULT_ADAPTATION_RATE, Design, Request};
 use crate::model::Model;
 use crate::recording::Units;
 
@@ -56,14 +56,14 @@ pub struct TuneArgs {
     /// Encoder step, position units
     #[arg(long, value_name = "X", default_value_t = 0.001, value_parser = not_negative)]
     pub encoder_step: f64,
-    /// Largest speed of the references, position units/s
-    #[arg(long, value_name = "V", default_value_t = 10.0, value_parser = positive)]
-    pub speed: f64,
-    /// Largest acceleration of the references, position units/s²
-    #[arg(long, value_name = "A", default_value_t = 100.0, value_parser = positive)]
-    pub acceleration: f64,
+    /// Largest speed of the references, position units/s [default: f1/c, at most f1/b in a second]
+    #[arg(long, value_name = "V", value_parser = positive)]
+    pub speed: Option<f64>,
+    /// Largest acceleration of the references, position units/s² [default: f1/b]
+    #[arg(long, value_name = "A", value_parser = positive)]
+    pub acceleration: Option<f64>,
     /// How fast the adaptive law adapts, rad/s
-    #[arg(long, value_name = "RAD/S", default_value_t = 2.0, value_parser = positive)]
+    #[arg(long, value_name = "RAD/S", default_value_t = DEFAULT_ADAPTATION_RATE, value_parser = positive)]
     pub adaptation_rate: f64,
 }
 

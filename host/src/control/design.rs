@@ -1,8 +1,8 @@
 //! A controller from a model: gains, compensator, starting values of the adaptive law.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, largest_bandwidth_hz, margins,
-    tune,
+    Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, largest_bandwidth_hz, lead_s,
+    margins, tune,
 };
 use breakaway_core::plant::{Base, Effect};
 
@@ -22,16 +22,36 @@ pub struct Request {
     pub drive_limit: f64,
     /// Encoder step, X; 0 where it is not known.
     pub encoder_step: f64,
-    /// Largest speed of the references, X/s.
-    pub speed: f64,
-    /// Largest acceleration of the references, X/s².
-    pub acceleration: f64,
+    /// Largest speed of the references, X/s; by default that of [`usual_motion`].
+    pub speed: Option<f64>,
+    /// Largest acceleration of the references, X/s²; by default that of [`usual_motion`].
+    pub acceleration: Option<f64>,
     /// How fast the adaptive law adapts, rad/s.
     pub adaptation_rate: f64,
 }
 
 /// The default bandwidth over the largest that tick and delay allow: room for a model that is a factor of two off.
 pub const DEFAULT_SHARE: f64 = 0.25;
+
+/// How fast the adaptive law adapts by default, rad/s: a change of friction is learnt in a minute or two.
+pub const DEFAULT_ADAPTATION_RATE: f64 = 5.0;
+
+/// Share of the other rates with which b̂ adapts: noise of ė makes it rise (−u_c·s_Δ holds Kv·s·s_Δ), and of the
+/// parameters the inertia is the one that heat and wear do not change.
+const RATE_OF_B: f64 = 0.1;
+
+/// The motion in which inertia and damping each need as much drive as Coulomb friction: speed f1/c, at most what f1
+/// gives the inertia in a second, and acceleration f1/b. Without friction 10 X/s and 100 X/s².
+pub fn usual_motion(base: &Base<f64>) -> (f64, f64) {
+    let Base { b, c, f1 } = *base;
+    if f1 > 0.0 { ((f1 / c).min(f1 / b), f1 / b) } else { (10.0, 100.0) }
+}
+
+/// δ of the adaptive law, X/s: half of what one count makes of a difference filtered over `filter_s` s, which is 1.6
+/// standard deviations of white rounding at the usual filter. Above that friction is learnt, below it noise would be.
+pub fn usual_delta(encoder_step: f64, filter_s: f64, tick_s: f64) -> f64 {
+    0.5 * encoder_step / (filter_s + tick_s)
+}
 
 /// A controller, all of it: what `breakaway tune` writes.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,24 +89,26 @@ impl Design {
     /// A bandwidth or an adaptation rate past what tick and delay allow, with the largest that is not.
     pub fn new(model: &Model, request: &Request) -> Result<Self, ControlError> {
         let Base { b, c, f1 } = model.base;
-        let Request { tick_s, delay_ticks, drive_limit, encoder_step, speed, acceleration, .. } = *request;
+        let Request { tick_s, delay_ticks, drive_limit, encoder_step, .. } = *request;
         let largest = largest_bandwidth_hz(b, c, tick_s, delay_ticks);
         let gains = tune(b, c, request.bandwidth_hz.unwrap_or(DEFAULT_SHARE * largest), tick_s, delay_ticks)?;
-        // The filtered difference of an encoder jumps by a step over the filter's time.
-        let rate_step = encoder_step / (gains.filter_s + tick_s);
+        let (speed, acceleration) = usual_motion(&model.base);
+        let (speed, acceleration) = (request.speed.unwrap_or(speed), request.acceleration.unwrap_or(acceleration));
         let start = Estimates { b, c, f1, f: 0.0 };
-        let delta = (2.0 * rate_step).max(1e-3 * speed).max(1e-12);
+        let delta = usual_delta(encoder_step, gains.filter_s, tick_s).max(1e-3 * speed).max(1e-12);
+        let adaptation = Adaptation::normalised(&start, request.adaptation_rate, speed, acceleration, delta);
+        let slow = Estimates { b: adaptation.gains.b * RATE_OF_B * RATE_OF_B, ..adaptation.gains };
         let design = Self {
             tick_s,
             delay_ticks,
             drive_limit,
             rest_band: encoder_step,
             gains,
-            lead_s: (f64::from(delay_ticks) + 0.5) * tick_s,
+            lead_s: lead_s(tick_s, delay_ticks),
             rest_speed: 0.0,
             compensate: false,
             start,
-            adaptation: Adaptation::normalised(&start, request.adaptation_rate, speed, acceleration, delta),
+            adaptation: Adaptation { gains: slow, ..adaptation },
             adaptive: false,
             model: model.clone(),
         };

@@ -2,6 +2,7 @@
 //!
 //! The loop is the one of `breakaway track`: the core's controller in f32 behind an encoder and a tick of delay.
 
+mod adaptation;
 mod compensation;
 mod robust;
 
@@ -36,8 +37,8 @@ fn error(plant: &[Effect<f64>], compensated: Option<&[Effect<f64>]>, reference: 
         bandwidth_hz: Some(10.0),
         drive_limit: 12.0,
         encoder_step: step,
-        speed: 5.0,
-        acceleration: 50.0,
+        speed: Some(5.0),
+        acceleration: Some(50.0),
         adaptation_rate: 2.0,
     };
     let mut design = Design::new(&model(&[]), &request).unwrap();

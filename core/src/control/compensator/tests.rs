@@ -118,3 +118,26 @@ fn wrong_models_are_refused() {
     assert_eq!(Compensator::<f32>::new(&BASE, &bad).err(), Some(CompensatorError::Parameter(Kind::Spring)));
     assert!(Compensator::<f32>::new(&BASE, &[]).unwrap().with_lead(-1.0).is_err());
 }
+
+/// The drive of a tick is held from `d` to `d + 1` ticks after its reading: with the lead it is the mean of the model's force
+/// over that time, to a twentieth of what it is off without.
+#[test]
+fn the_lead_is_the_time_until_the_drive_acts() {
+    let cogging = [Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5])];
+    let forces = |feed: Feed<f64>| feed.viscous + feed.forces;
+    let at = |t: f64| Setpoint { x: libm::sin(3.0 * t), v: 3.0 * libm::cos(3.0 * t), a: -9.0 * libm::sin(3.0 * t) };
+    for delay in 0..3 {
+        let plain = Compensator::<f64>::new(&BASE, &cogging).unwrap();
+        let led = plain.with_lead(lead_s(1e-3, delay)).unwrap();
+        let (mut off, mut off_plain) = (0.0, 0.0);
+        for k in 0..2000_u32 {
+            let tick = |later: f64| 1e-3 * (f64::from(k) + later);
+            let parts = (0..16).map(|i| f64::from(delay) + (f64::from(i) + 0.5) / 16.0);
+            let needed = parts.map(|later| forces(plain.feed(at(tick(later))))).sum::<f64>() / 16.0;
+            let reference = at(tick(0.0));
+            off += (forces(led.feed(reference)) - needed).powi(2);
+            off_plain += (forces(plain.feed(reference)) - needed).powi(2);
+        }
+        assert!(libm::sqrt(off) < 0.05 * libm::sqrt(off_plain), "{delay}: {off} {off_plain}");
+    }
+}

@@ -1,23 +1,15 @@
 //! The watch over the model's validity while a trajectory is followed.
 //!
-//! It runs on the samples here in the thread, outside the tick. Each run teaches it anew: the first 64 blocks of either
-//! direction are what the model leaves out along this reference, later ones are compared with them
+//! It runs on the samples here in the thread, outside the tick. Each run teaches it anew: the first stroke and a half of
+//! either direction are what the model leaves out along this reference, later ones are compared with them
 //! ([`breakaway_core::control::DriftWatch`]).
 
-use breakaway_core::control::{DriftSettings, DriftState, DriftWatch, ModelMismatch};
+use breakaway_core::control::{DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};
 use breakaway_core::link::{FULL_SCALE_CODE, Mismatch, Mode, Model, Sample, Settings, Track};
 use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
-use breakaway_core::scalar::Real;
 
 use super::plan::path;
 
-/// Share of f1 that a reading's rounding by one count may look like, at the observer's bandwidth.
-const COUNT_OF_F1: f32 = 0.2;
-/// Range of the observer's bandwidth: below, rad/s; above, per tick.
-const SLOWEST_RAD_S: f32 = 5.0;
-const FASTEST_PER_TICK: f32 = 0.1;
-/// Share of the reference's largest speed below which the axis counts as resting.
-const REST: f32 = 0.1;
 /// Bins of speed.
 const SPEED_BINS: f32 = 16.0;
 
@@ -66,18 +58,11 @@ impl Active {
             effects.push(model.effect(index)?.ok()?).ok()?;
         }
         let tick_s = 1.0 / tick_hz.max(1) as f32;
-        let (_, speed, _) = path(&track.trajectory, tick_hz).ok()?;
-        let (step, full) = (settings.position_per_count, settings.drive_full_scale);
-        // A reading that is off by ε is a force of b·ωo²·ε.
-        let quiet = Real::sqrt(COUNT_OF_F1 * base.f1.max(1e-3 * full) / (base.b * step));
-        let bandwidth_rad_s = quiet.max(SLOWEST_RAD_S).min(FASTEST_PER_TICK / tick_s);
-        // The observer's velocity trembles by about ωo per count.
-        let rest_speed = (REST * speed).max(2.0 * bandwidth_rad_s * step);
-        if rest_speed >= 0.5 * speed {
-            return None;
-        }
-        let usual = DriftSettings::usual(bandwidth_rad_s, rest_speed, base.f1);
-        let usual = DriftSettings { smallest_scale: usual.smallest_scale.max(1e-4 * full), ..usual };
+        let (_, speed, acceleration) = path(&track.trajectory, tick_hz).ok()?;
+        let motion = Motion { speed, acceleration, encoder_step: settings.position_per_count };
+        let usual = DriftSettings::along(&motion, &base, tick_s).ok()?;
+        let smallest_scale = usual.smallest_scale.max(1e-4 * settings.drive_full_scale);
+        let usual = DriftSettings { smallest_scale, ..usual };
         Some(Self {
             watch: DriftWatch::new(&base, &effects, &usual, tick_s).ok()?,
             state: DriftState::default(),

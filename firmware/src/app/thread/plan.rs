@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{
     Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
-    TuningError,
+    TuningError, lead_s,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -41,6 +41,8 @@ impl Planner for NoController {
 
 /// Filter on the error's difference, ticks: an encoder's count is not a position.
 const FILTER_TICKS: f32 = 2.0;
+/// From a reading to its drive, whole ticks: it is applied in the same one.
+const DELAY_TICKS: u32 = 0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
 const NO_INERTIA: f32 = 1e-30;
 
@@ -99,7 +101,7 @@ impl Planner for TrackController {
                 Law::adaptive(law.map_err(|error| CommandError::Range(adaptive(error)))?)
             }
         };
-        let law = match compensator(track, model, &base)? {
+        let law = match compensator(track, model, &base, tick_s)? {
             Some(compensator) => law.with_compensator(compensator),
             None => law,
         };
@@ -152,7 +154,12 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
 }
 
 /// `None` where neither is asked for: off is absent.
-fn compensator(track: &Track, model: &Model, base: &Base<f32>) -> Result<Option<Compensator<f32>>, CommandError> {
+fn compensator(
+    track: &Track,
+    model: &Model,
+    base: &Base<f32>,
+    tick_s: f32,
+) -> Result<Option<Compensator<f32>>, CommandError> {
     if !track.feed_forward && !track.compensation {
         return Ok(None);
     }
@@ -164,9 +171,9 @@ fn compensator(track: &Track, model: &Model, base: &Base<f32>) -> Result<Option<
         // As many as the model can hold.
         let _ = effects.push(effect?);
     }
-    let compensator = Compensator::new(&Base { b, c, f1 }, &effects);
-    let compensator = compensator.map_err(|_| CommandError::Range(Field::EffectParameters))?;
-    Ok(Some(compensator.on()))
+    let ahead_s = lead_s(tick_s, DELAY_TICKS);
+    let compensator = Compensator::new(&Base { b, c, f1 }, &effects).and_then(|one| one.with_lead(ahead_s));
+    Ok(Some(compensator.map_err(|_| CommandError::Range(Field::EffectParameters))?.on()))
 }
 
 fn tuning(error: TuningError) -> Field {

@@ -15,7 +15,7 @@ use crate::command::progress;
 use crate::command::run::papers_plant;
 use crate::command::track::{Course, board};
 use crate::command::virtual_board::settings;
-use crate::control::design::{Design, Request as Tuning};
+use crate::control::design::{DEFAULT_ADAPTATION_RATE, Design, Request as Tuning};
 use crate::control::reference::Reference;
 use crate::device::experiment::Runner;
 use crate::device::virtual_board::{Machine, Options, VirtualBoard};
@@ -114,9 +114,9 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
         bandwidth_hz: Some(BANDWIDTH_HZ),
         drive_limit: DRIVE,
         encoder_step,
-        speed: 10.0,
-        acceleration: 100.0,
-        adaptation_rate: 2.0,
+        speed: None,
+        acceleration: None,
+        adaptation_rate: DEFAULT_ADAPTATION_RATE,
     };
     let design = Design::new(&model, &tuning)?;
     design.write(&folder.join("controller.toml"))?;

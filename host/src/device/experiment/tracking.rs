@@ -6,11 +6,14 @@ use breakaway_core::link::{
 };
 
 use super::Runner;
-use crate::control::design::Design;
+use crate::control::design::{Design, usual_delta};
 use crate::control::reference::Reference;
 use crate::control::tracking::Tracked;
 use crate::device::{DeviceError, text};
 use crate::interrupt::FinishFirst;
+
+/// The board's filter on the error's difference, ticks.
+const BOARD_FILTER_TICKS: f64 = 2.0;
 
 /// A reference to follow with one controller.
 #[derive(Clone, Debug)]
@@ -58,7 +61,9 @@ pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
     let most =
         |of: fn(&Setpoint<f32>) -> f32| points.iter().map(|point| f64::from(of(point).abs())).fold(0.0, f64::max);
     let (gains, wanted) = (&design.gains, &design.adaptation.gains);
-    let delta = design.adaptation.delta;
+    // The board's own filter may be shorter than the design's, and its encoder noisier for that.
+    let tick_s = design.tick_s;
+    let delta = design.adaptation.delta.max(usual_delta(design.rest_band, BOARD_FILTER_TICKS * tick_s, tick_s));
     let unit = Adaptation::normalised(&design.start, 1.0, most(|point| point.v), most(|point| point.a), delta).gains;
     let rate = |wanted: f64, unit: f64| if unit > 0.0 { (wanted / unit).sqrt() as f32 } else { 0.0 };
     Controller::Adaptive(Adaptive {
