@@ -8,7 +8,7 @@ use breakaway::discover::outcome::Verdict;
 use breakaway::identify::shooting::Candidate;
 use breakaway::recording::{ReadOptions, Recording};
 use breakaway_core::plant::Base;
-use breakaway_hidden::{Case, Role};
+use breakaway_hidden::{Case, Experiment, Role};
 use breakaway_tests::blind::{recordings, run};
 use breakaway_tests::measured_data;
 
@@ -43,6 +43,33 @@ fn constant_load_is_named() {
 #[test]
 fn dahl_is_named() {
     named("dahl", 903);
+}
+
+/// Both of two hidden effects, and nothing else; the machine is followed as well as by the true model (1.3 is asked).
+fn both_named(effects: &[&str], seed: u64) {
+    let (scored, _) = run(&Case::suite(seed, effects, 10.0).unwrap()).unwrap();
+    assert!(scored.right(), "{scored:?}");
+    assert!(scored.over_truth < 1.05, "{scored:?}");
+}
+
+/// Without the ripple an electrical lag does as well as the delay; with it nothing may be left of the lag.
+#[test]
+fn a_delay_and_a_ripple_in_time_are_named() {
+    both_named(&["time_periodic", "delay"], 902);
+}
+
+/// Without the load the bristles become so long that they take its place.
+#[test]
+fn bristles_and_a_gravity_load_are_named() {
+    both_named(&["dahl", "gravity_load"], 902);
+}
+
+/// A slow sine over teeth: equation error makes the inertia negative (−.001 drive units per acceleration), though the sign of the drive
+/// is right. That is no reason to refuse the recording.
+#[test]
+fn cogging_is_named_where_it_hides_the_inertia() {
+    let (scored, _) = run(&Case::new(910, &["cogging"], 10.0, Experiment::SlowSine).unwrap()).unwrap();
+    assert!(scored.right(), "{scored:?}");
 }
 
 /// Nothing is added to the model of a clean machine.

@@ -148,7 +148,12 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
                 (!named.is_empty() && !enough && !gap.closed_by(&after))
                     .then(|| "thins what is left in a few segments, and does not close it".to_owned())
             };
-            let Some(reason) = gap.refuses(&after).or_else(doubted) else { return Some((index, fit, after)) };
+            let adrift = || {
+                (tried[index].kind.free_memory() == 2 && !gap.followed_by_bodies(&after))
+                    .then(|| "follows short segments from a start free in each, and not the open loop".to_owned())
+            };
+            let refusal = gap.refuses(&after).or_else(adrift).or_else(doubted);
+            let Some(reason) = refusal else { return Some((index, fit, after)) };
             remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
             tried[index].fit = Err(reason);
             None

@@ -231,3 +231,6 @@ pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<T
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -147,6 +147,12 @@ impl Row {
     pub fn wrong(&self) -> bool {
         self.named.iter().any(|name| !self.hidden.contains(name))
     }
+
+    /// Whether it is wrong, and what is hidden was listed as tied with what was named: "these recordings cannot tell".
+    pub fn wrong_but_tied(&self) -> bool {
+        let said = |name: &String| self.named.contains(name) || self.tied.contains(name);
+        self.wrong() && !self.hidden.is_empty() && self.hidden.iter().all(said)
+    }
 }
 
 #[cfg(test)]
@@ -159,7 +165,8 @@ mod tests {
         let line = "suite,stribeck+cogging,10,501,partly_explained,stribeck+delay,lugre,0.0120,0.3000,1.1000,1.0500,12.3000,2.5000";
         let row = Row::parse(line).unwrap();
         assert_eq!(row.line(), line);
-        assert!(row.wrong() && !row.right());
+        assert!(row.wrong() && !row.right() && !row.wrong_but_tied());
+        assert!(Row { tied: vec!["cogging".into()], ..row }.wrong_but_tied());
         assert_eq!(Row::parse(HEADER), None);
     }
 }

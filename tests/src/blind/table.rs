@@ -25,13 +25,22 @@ fn groups<'a, K: Ord>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> BTreeMap<K, 
     groups
 }
 
+/// How many are wrong, and how many of these list the truth as tied.
+fn wrong(rows: &[&Row]) -> String {
+    let count = |f: fn(&Row) -> bool| rows.iter().filter(|r| f(r)).count();
+    match (count(Row::wrong), count(Row::wrong_but_tied)) {
+        (wrong, 0) => wrong.to_string(),
+        (wrong, tied) => format!("{wrong}, of which tied with the truth {tied}"),
+    }
+}
+
 /// Right, wrong, nothing, explained, medians: a line of a table.
 fn summary(rows: &[&Row]) -> String {
     let count = |f: &dyn Fn(&Row) -> bool| rows.iter().filter(|r| f(r)).count();
     format!(
         "{} | {} | {} | {} | {:.2} % | {:.2} | {:.3} | {:.1}",
         percent(count(&Row::right), rows.len()),
-        count(&Row::wrong),
+        wrong(rows),
         count(&|r| r.named.is_empty()),
         count(&|r| r.verdict == "explained"),
         100.0 * median(rows.iter().map(|r| r.parameter_error)),
