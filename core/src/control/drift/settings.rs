@@ -43,6 +43,8 @@ const RISE: f64 = 0.3;
 const SCALES: f64 = 8.0;
 /// ωo of long strokes, rad/s: blocks of a tenth of a second, so that a motion that is slow is not watched slowly.
 const SLOWEST_RAD_S: f64 = 30.0;
+/// Steps of a tenth in which a block grows, at the most: to a thousand times its first length (a fixed point may stand still).
+const MOST_STEPS: usize = 73;
 /// Fewest blocks of either direction, and strokes of it, that teach.
 const BLOCKS: u32 = 12;
 const STROKES: f64 = 1.5;
@@ -78,7 +80,10 @@ impl<F: Real> DriftSettings<F> {
         let usable_s = (stroke_s * (F::ONE - rest_speed / speed) - settle_s).scale(0.95);
         let noise = |block_s: F| noise(base, encoder_step, tick_s, block_s);
         let mut block_s = number(3.0) / bandwidth_rad_s;
-        while block_s < usable_s && noise(block_s) > base.f1.scale(RISE / SCALES) {
+        for _ in 0..MOST_STEPS {
+            if block_s >= usable_s || noise(block_s) <= base.f1.scale(RISE / SCALES) {
+                break;
+            }
             block_s = block_s.scale(1.1);
         }
         // That fit into a stroke, each half a block after the one before.
