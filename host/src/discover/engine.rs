@@ -189,6 +189,7 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
             };
             if let Some(other) = refit::without(&judged, &current, place).filter(|other| !worse(other)) {
                 remarks.push(format!("beside what was named later, nothing is left of {}", named[j].kind.name()));
+                tie.take_if(|(_, _, kinds)| kinds.contains(&named[j].kind));
                 named.remove(j);
                 simpler.remove(j);
                 gap = Gap::of(&data, &other);
@@ -214,7 +215,10 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         ladder.truncate(1);
         tie = None;
     }
+    let kinds: Vec<Kind> = named.iter().map(|n| n.kind).collect();
     for (j, effect) in named.iter_mut().enumerate() {
+        // What is named beside it was no rival.
+        effect.rivals.retain(|rival| !kinds.contains(&rival.kind));
         let place = start.effects.len() + j;
         effect.parameters = parameters(&current, place, &units);
     }
