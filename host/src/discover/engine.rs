@@ -227,7 +227,8 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         (Some(before), Some(after)) => where_map::rows(&data, &before, &after, &units),
         _ => Vec::new(),
     };
-    let next_experiment = tie.and_then(|(a, b, kinds)| {
+    let open_tie = tie.filter(|(_, _, tied)| !tied.iter().all(|kind| kinds.contains(kind)));
+    let next_experiment = open_tie.and_then(|(a, b, kinds)| {
         progress("designing the next experiment");
         next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(&data), &units)
     });
