@@ -148,10 +148,10 @@ impl Row {
         self.named.iter().any(|name| !self.hidden.contains(name))
     }
 
-    /// Whether it is wrong, and what is hidden was listed as tied with what was named: "these recordings cannot tell".
+    /// Whether it is wrong, and what is hidden was listed as tied with what was named in its place: "these recordings cannot tell".
     pub fn wrong_but_tied(&self) -> bool {
         let said = |name: &String| self.named.contains(name) || self.tied.contains(name);
-        self.wrong() && !self.hidden.is_empty() && self.hidden.iter().all(said)
+        self.wrong() && self.named.len() <= self.hidden.len() && self.hidden.iter().all(said)
     }
 }
 
