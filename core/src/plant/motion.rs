@@ -5,7 +5,7 @@
 //! with the opposite friction. On the base plant this agrees with the closed form to O(h³) per step.
 
 use super::base::Base;
-use super::effect::{ActsIn, Effect, Held, Instant, Memory};
+use super::effect::{ActsIn, Effect, Held, Instant, MAX_PARAMETERS, Memory};
 use crate::scalar::Real;
 
 /// Most effects a plant carries at once.
@@ -46,11 +46,21 @@ pub struct Plant<'a, R> {
 }
 
 impl<R: Real> Effect<R> {
+    /// The parameters' values. A loop: `array::map` calls its closure for every one, which shows where a simulation is
+    /// run on numbers with many derivatives.
+    fn plain(&self) -> [f64; MAX_PARAMETERS] {
+        let mut p = [0.0; MAX_PARAMETERS];
+        for (value, parameter) in p.iter_mut().zip(&self.p) {
+            *value = parameter.to_f64();
+        }
+        p
+    }
+
     /// The mechanics over a whole sample of `h` seconds in which the motor moves from `at.x` at `at.v`, in sub-steps
     /// that resolve them; the mean reaction.
     fn mechanics_in_parts(&self, base: &Base<R>, at: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         let inertia = Base { b: base.b.to_f64(), c: 0.0, f1: 0.0 };
-        let bandwidth = self.kind.bandwidth(&self.p.map(Real::to_f64), &inertia);
+        let bandwidth = self.kind.bandwidth(&self.plain(), &inertia);
         let parts = libm::ceil(h * bandwidth / 0.25).clamp(1.0, MAX_SUB_STEPS as f64);
         let h_part = h / parts;
         let mut sum = R::ZERO;
@@ -91,7 +101,7 @@ impl<R: Real> Plant<'_, R> {
         let base = Base { b: self.base.b.to_f64(), c: self.base.c.to_f64(), f1: self.base.f1.to_f64() };
         let mut fastest = base.c / base.b;
         for effect in self.effects {
-            fastest = fastest.max(effect.kind.bandwidth(&effect.p.map(Real::to_f64), &base));
+            fastest = fastest.max(effect.kind.bandwidth(&effect.plain(), &base));
         }
         (libm::ceil(ts * fastest / 0.25).clamp(1.0, MAX_SUB_STEPS as f64)) as usize
     }

@@ -15,7 +15,7 @@ use super::refit;
 use super::screen::Screen;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
-use crate::identify::shooting::{Candidate, Fit, Free};
+use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
 use crate::recording::{Recording, Units};
 
 /// Iterations of the base model's fit.
@@ -216,11 +216,12 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         tie = None;
     }
     let kinds: Vec<Kind> = named.iter().map(|n| n.kind).collect();
+    let errors = data.problem().covariance(&current);
     for (j, effect) in named.iter_mut().enumerate() {
         // What is named beside it was no rival.
         effect.rivals.retain(|rival| !kinds.contains(&rival.kind));
         let place = start.effects.len() + j;
-        effect.parameters = parameters(&current, place, &units);
+        effect.parameters = parameters(&current.candidate, place, Some(&errors), &units);
     }
     progress("drawing the map");
     let where_map = match (Screen::new(&data, &base_fit.candidate), Screen::new(&data, &current.candidate)) {
@@ -246,8 +247,8 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         effects: named,
         ladder,
         model: current.candidate.clone(),
-        model_se: model_se(&current),
-        base_se: [0, 1, 2].map(|i| current.standard_error(Free::Base(i)).unwrap_or(f64::NAN)),
+        model_se: model_se(&current.candidate, &errors),
+        base_se: [0, 1, 2].map(|i| errors.standard_error(Free::Base(i)).unwrap_or(f64::NAN)),
         noise_floor: data.sigma,
         where_map,
         candidates: first_round,
@@ -292,12 +293,12 @@ fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), Discove
     Ok((Candidate { base, effects: model.effects.clone() }, remarks))
 }
 
-fn model_se(fit: &Fit) -> Vec<Vec<f64>> {
-    let effects = fit.candidate.effects.iter().enumerate();
+fn model_se(model: &Candidate, errors: &Covariance) -> Vec<Vec<f64>> {
+    let effects = model.effects.iter().enumerate();
     effects
         .map(|(j, effect)| {
             let count = effect.kind.definition().parameters.len();
-            (0..count).map(|i| fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0)).collect()
+            (0..count).map(|i| errors.standard_error(Free::Effect(j, i)).unwrap_or(0.0)).collect()
         })
         .collect()
 }

@@ -6,7 +6,7 @@ use super::candidates::Tried;
 use super::data::Data;
 use super::decide::{NAMING, Paired, TIED_Z, Thresholds, paired};
 use super::outcome::{CandidateRow, ParameterValue, Rival};
-use crate::identify::shooting::{Fit, Free};
+use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
 use crate::model::catalogue::unit;
 use crate::recording::Units;
 
@@ -74,7 +74,7 @@ pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units
     let evidence = evidence(fit);
     let place = fit.candidate.effects.len() - 1;
     let parameters: Vec<String> =
-        parameters(fit, place, units).iter().map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit)).collect();
+        parameters(&fit.candidate, place, None, units).iter().map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit)).collect();
     Some(format!(
         "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by {}",
         data.segment_s,
@@ -160,9 +160,14 @@ pub(super) fn table(data: &Data, current: &Fit, tried: &[Tried], winner: Option<
         .collect()
 }
 
-/// What is free, or differs from its default, of effect `j`.
-pub(super) fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterValue> {
-    let effect: &Effect<f64> = &fit.candidate.effects[j];
+/// What is free, or differs from its default, of effect `j`; with its standard errors where `errors` are given.
+pub(super) fn parameters(
+    model: &Candidate,
+    j: usize,
+    errors: Option<&Covariance>,
+    units: &Units,
+) -> Vec<ParameterValue> {
+    let effect: &Effect<f64> = &model.effects[j];
     let definitions = effect.kind.definition().parameters.iter().enumerate();
     definitions
         .filter(|(i, p)| p.default.is_none_or(|default| effect.p[*i] != default))
@@ -172,7 +177,7 @@ pub(super) fn parameters(fit: &Fit, j: usize, units: &Units) -> Vec<ParameterVal
             meaning: p.meaning,
             value: effect.p[i],
             // What is held, a whole number of waves, has no error.
-            se: fit.standard_error(Free::Effect(j, i)).unwrap_or(0.0),
+            se: errors.and_then(|errors| errors.standard_error(Free::Effect(j, i))).unwrap_or(0.0),
         })
         .collect()
 }

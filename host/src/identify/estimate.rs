@@ -173,16 +173,18 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     if biased {
         start.b.value = small_inertia(&tracks);
     }
-    let fit = output_error(&tracks, &start, noise);
+    let segments = sampled_segments(&tracks, FIT_SEGMENT_S);
+    let problem = output_error(&tracks, &segments, noise);
+    let fit = fitted_from(&problem, &start);
     let mut estimates = vec![weak_estimate.clone()];
     let (mut simulation_error, mut white) = (f64::NAN, false);
     if let Some(fit) = &fit {
         simulation_error = median(fit.mse.clone()).sqrt();
         white = simulation_error.powi(2) < WHITE_RATIO * noise * noise;
-        estimates.push(from_fit(fit, both));
+        estimates.push(from_fit(&problem, fit, both));
     }
     let best = match &fit {
-        Some(fit) if white || biased => from_fit(fit, both),
+        Some(fit) if white || biased => from_fit(&problem, fit, both),
         _ => weak_estimate,
     };
     if best.b.value <= 0.0 {
@@ -280,8 +282,9 @@ fn from_weak(fit: &WeakFit, both: bool) -> Estimate {
     Estimate { estimator: "weak_form", b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
 }
 
-fn from_fit(fit: &Fit, both: bool) -> Estimate {
-    let se = |free| fit.standard_error(free).unwrap_or(f64::NAN);
+fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> Estimate {
+    let errors = problem.covariance(fit);
+    let se = |free| errors.standard_error(free).unwrap_or(f64::NAN);
     let Base { b, c, f1 } = fit.candidate.base;
     Estimate {
         estimator: "output_error",
@@ -301,16 +304,12 @@ pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<shooting::Segmen
     (0..MAX_SEGMENTS).map(|i| all[i * all.len() / MAX_SEGMENTS]).collect()
 }
 
-fn output_error(tracks: &[Track], start: &Estimate, noise: f64) -> Option<Fit> {
-    let segments = sampled_segments(tracks, FIT_SEGMENT_S);
-    let problem = Problem {
-        tracks,
-        segments: &segments,
-        sigma: noise.max(f64::MIN_POSITIVE),
-        warm_up_s: 0.0,
-        softening: 0.0,
-        coarse: false,
-    };
+fn output_error<'a>(tracks: &'a [Track], segments: &'a [shooting::Segment], noise: f64) -> Problem<'a> {
+    let sigma = noise.max(f64::MIN_POSITIVE);
+    Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false }
+}
+
+fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {
     let base = Base { b: start.b.value, c: start.c.value.max(0.0), f1: start.f1.value.max(0.0) };
     let effects: Vec<Effect<f64>> =
         start.load.iter().map(|load| Effect::new(Kind::ConstantLoad, &[load.value])).collect();

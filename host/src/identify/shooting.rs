@@ -87,8 +87,8 @@ pub struct Fit {
     pub candidate: Candidate,
     /// Its free parameters.
     pub free: Vec<Free>,
-    /// Covariance of the free parameters.
-    pub covariance: DMatrix<f64>,
+    /// Floor of the segments' mean squares in the logarithm, position units squared.
+    pub floor: f64,
     /// Mean square error of every segment, position units squared.
     pub mse: Vec<f64>,
     /// Effective samples of every segment: residuals that are correlated count for less.
@@ -99,6 +99,46 @@ pub struct Fit {
     pub cost: f64,
     /// Whether it ended by itself, not by the number of iterations.
     pub converged: bool,
+}
+
+/// Covariance of a fit's free parameters.
+#[derive(Clone, Debug)]
+pub struct Covariance {
+    free: Vec<Free>,
+    matrix: DMatrix<f64>,
+}
+
+/// Starts after a step, and where they come from.
+struct Stepped<'a> {
+    old: &'a [Start],
+    old_mse: &'a [f64],
+    new: Vec<Start>,
+    /// Whether only the mean squares are wanted, no step following.
+    last: bool,
+}
+
+/// Sums of a segment's residual.
+#[derive(Default)]
+struct Missed {
+    square: f64,
+    lagged: f64,
+    previous: f64,
+}
+
+impl Missed {
+    fn by(&mut self, residual: f64) {
+        self.square += residual * residual;
+        self.lagged += residual * self.previous;
+        self.previous = residual;
+    }
+    fn mean_square(&self, len: usize) -> f64 {
+        self.square / len as f64
+    }
+    /// Effective samples: a residual that is correlated counts for less.
+    fn samples(&self, len: usize) -> f64 {
+        let correlation = (self.lagged / self.square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (len as f64 * (1.0 - correlation) / (1.0 + correlation)).max(LEAST_SAMPLES)
+    }
 }
 
 /// Why a candidate could not be fitted.
@@ -160,8 +200,7 @@ impl Problem<'_> {
         let track = &self.tracks[segment.track];
         let mut hessian = [[0.0; N]; N];
         let mut gradient = [0.0; N];
-        let mut square = 0.0;
-        let (mut lagged, mut previous) = (0.0, 0.0);
+        let mut missed = Missed::default();
         self.simulate(
             &plant,
             n,
@@ -170,9 +209,7 @@ impl Problem<'_> {
             |k, simulated| {
                 let weight = track.weight(k);
                 let residual = weight * (track.x[k] - simulated.value);
-                square += residual * residual;
-                lagged += residual * previous;
-                previous = residual;
+                missed.by(residual);
                 let d = simulated.scale(weight).gradient;
                 for i in 0..N {
                     gradient[i] += d[i] * residual;
@@ -186,23 +223,25 @@ impl Problem<'_> {
         Normal {
             hessian: DMatrix::from_fn(m, m, |i, j| hessian[i][j]),
             gradient: DVector::from_fn(m, |i, _| gradient[i]),
-            mse: square / segment.len as f64,
-            samples: {
-                let correlation = (lagged / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-                (segment.len as f64 * (1.0 - correlation) / (1.0 + correlation)).max(LEAST_SAMPLES)
-            },
+            mse: missed.mean_square(segment.len),
+            samples: missed.samples(segment.len),
         }
     }
 
-    /// Mean square error of a segment from a given start, nothing fitted.
-    fn mean_square(&self, candidate: &Candidate, segment: Segment, initial: Start) -> f64 {
+    /// How a segment is missed from a given start, without the normal equations.
+    fn plain(&self, candidate: &Candidate, segment: Segment, initial: Start) -> Normal {
         let plant = Plant { base: candidate.base, effects: &candidate.effects };
         let track = &self.tracks[segment.track];
-        let mut square = 0.0;
+        let mut missed = Missed::default();
         self.simulate(&plant, self.sub_steps(&plant, segment), segment, initial, |k, x| {
-            square += (track.weight(k) * (track.x[k] - x)).powi(2);
+            missed.by(track.weight(k) * (track.x[k] - x));
         });
-        square / segment.len as f64
+        Normal {
+            hessian: DMatrix::zeros(0, 0),
+            gradient: DVector::zeros(0),
+            mse: missed.mean_square(segment.len),
+            samples: missed.samples(segment.len),
+        }
     }
 
     fn normal_any(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
@@ -272,6 +311,18 @@ impl Problem<'_> {
         Ok(if again.cost < fit.cost { again } else { fit })
     }
 
+    fn normals(&self, candidate: &Candidate, free: &[Free], states: &[Start]) -> Vec<Normal> {
+        let segments = self.segments.par_iter().zip(states).with_min_len(8);
+        segments.map(|(segment, start)| self.normal_any(candidate, free, *segment, *start)).collect()
+    }
+
+    /// Covariance of the free parameters of a fit to these segments.
+    pub fn covariance(&self, fit: &Fit) -> Covariance {
+        let problem = Problem { softening: fit.floor, ..*self };
+        let normals = problem.normals(&fit.candidate, &fit.free, &fit.initial);
+        Covariance { free: fit.free.clone(), matrix: problem.sandwich(&normals, &fit.initial, fit.free.len()) }
+    }
+
     /// Levenberg–Marquardt from a start.
     fn descend(
         &self,
@@ -288,15 +339,7 @@ impl Problem<'_> {
         }
         let mut candidate = start.clone();
         let mut states = initial.map_or_else(|| self.smoothed_initial(&candidate), <[_]>::to_vec);
-        let evaluate = |candidate: &Candidate, states: &[Start]| -> Vec<Normal> {
-            self.segments
-                .par_iter()
-                .zip(states)
-                .with_min_len(8)
-                .map(|(s, x)| self.normal_any(candidate, free, *s, *x))
-                .collect()
-        };
-        let mut normals = evaluate(&candidate, &states);
+        let mut normals = self.normals(&candidate, free, &states);
         let mut mse: Vec<f64> = normals.iter().map(|n| n.mse).collect();
         let mut cost = self.cost_of(&mse) + self.memory_cost(&states, &candidate);
         if !cost.is_finite() {
@@ -305,7 +348,7 @@ impl Problem<'_> {
         let first = cost;
         let mut damping = 1e-3;
         let (mut converged, mut small) = (false, false);
-        for _ in 0..iterations {
+        for iteration in 1..=iterations {
             let Some((step, local)) = self.step(&normals, &states, free.len(), damping) else {
                 damping *= 10.0;
                 continue;
@@ -322,7 +365,11 @@ impl Problem<'_> {
             }
             let next_states: Vec<Start> =
                 states.iter().zip(&local).map(|(s, d)| std::array::from_fn(|i| s[i] + d[i])).collect();
-            let (next_states, next_normals) = self.settled(&next, free, &states, &mse, next_states);
+            let (next_states, next_normals) = {
+                // No step follows the last one.
+                let stepped = Stepped { old: &states, old_mse: &mse, new: next_states, last: iteration == iterations };
+                self.settled(&next, free, stepped)
+            };
             let next_mse: Vec<f64> = next_normals.iter().map(|n| n.mse).collect();
             let next_cost = self.cost_of(&next_mse) + self.memory_cost(&next_states, &next);
             if next_cost < cost {
@@ -351,9 +398,8 @@ impl Problem<'_> {
                 }
             }
         }
-        let covariance = self.covariance(&normals, &states, free.len());
         let samples = normals.iter().map(|n| n.samples).collect();
-        Ok(Fit { candidate, free: free.to_vec(), covariance, mse, samples, initial: states, cost, converged })
+        Ok(Fit { candidate, free: free.to_vec(), floor: self.floor(), mse, samples, initial: states, cost, converged })
     }
 
     /// Evaluates every segment from its stepped start. Where that made a segment worse (a reversal or a release jumps to
@@ -362,10 +408,9 @@ impl Problem<'_> {
         &self,
         candidate: &Candidate,
         free: &[Free],
-        old: &[Start],
-        old_mse: &[f64],
-        stepped: Vec<Start>,
+        stepped: Stepped<'_>,
     ) -> (Vec<Start>, Vec<Normal>) {
+        let Stepped { old, old_mse, new, last } = stepped;
         let floor = self.floor();
         let settle = |i: usize, start: Start| {
             let segment = self.segments[i];
@@ -373,7 +418,8 @@ impl Problem<'_> {
                 0.5 * segment.len as f64 * (floor + normal.mse).ln()
                     + self.memory_cost(std::slice::from_ref(start), candidate)
             };
-            let run = |start: Start| (start, self.normal_any(candidate, free, segment, start));
+            let full = |start: Start| self.normal_any(candidate, free, segment, start);
+            let run = |start: Start| (start, if last { self.plain(candidate, segment, start) } else { full(start) });
             let mut best = run(start);
             if best.1.mse <= (JUMP * old_mse[i]).max(2.0 * floor) {
                 return best;
@@ -382,7 +428,8 @@ impl Problem<'_> {
             if cost(&before.0, &before.1) < cost(&best.0, &best.1) {
                 best = before;
             }
-            if let Some(step) = self.start_step(&best.1, segment, best.0, free.len(), 1e-2) {
+            let equations = if last { &full(best.0) } else { &best.1 };
+            if let Some(step) = self.start_step(equations, segment, best.0, free.len(), 1e-2) {
                 let next = run(step);
                 if cost(&next.0, &next.1) < cost(&best.0, &best.1) {
                     best = next;
@@ -390,7 +437,7 @@ impl Problem<'_> {
             }
             best
         };
-        stepped.into_par_iter().enumerate().with_min_len(8).map(|(i, start)| settle(i, start)).unzip()
+        new.into_par_iter().enumerate().with_min_len(8).map(|(i, start)| settle(i, start)).unzip()
     }
 
     /// Scores a fixed model: only the initial states are fitted. Gives the mean square error of every segment.
@@ -414,11 +461,11 @@ impl Problem<'_> {
     }
 }
 
-impl Fit {
+impl Covariance {
     /// Standard error of a free parameter; `None` if it is held.
     pub fn standard_error(&self, parameter: Free) -> Option<f64> {
         let i = self.free.iter().position(|f| *f == parameter)?;
-        Some(self.covariance[(i, i)].max(0.0).sqrt())
+        Some(self.matrix[(i, i)].max(0.0).sqrt())
     }
 }
 

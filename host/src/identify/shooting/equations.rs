@@ -14,7 +14,7 @@ struct Reduced {
     eliminated: Vec<(DMatrix<f64>, DMatrix<f64>, DVector<f64>)>,
 }
 
-/// Normal equations of one segment.
+/// Normal equations of one segment, empty where only its mean square was asked for.
 pub(super) struct Normal {
     pub(super) hessian: DMatrix<f64>,
     pub(super) gradient: DVector<f64>,
@@ -146,7 +146,7 @@ impl Problem<'_> {
 
     /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
     /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
-    pub(super) fn covariance(&self, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
+    pub(super) fn sandwich(&self, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
         let unknown = || DMatrix::from_element(p, p, f64::NAN);
         let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, states, p, 0.0) else { return unknown() };
         let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };

@@ -44,7 +44,7 @@ impl Problem<'_> {
     /// A start from which the segment's mean square is well below `mse`.
     fn freed(&self, candidate: &Candidate, segment: Segment, old: Start, smoothed: Start, mse: f64) -> Option<Start> {
         let deviation = SLOPE_DEVIATIONS * self.sigma / HALF_WIDTH_S;
-        let run = |start: Start| (self.mean_square(candidate, segment, start), start);
+        let run = |start: Start| (self.plain(candidate, segment, start).mse, start);
         let starts = |memory: [f64; 2]| {
             VELOCITIES.iter().map(move |k| [smoothed[0], smoothed[1] + k * deviation, memory[0], memory[1]])
         };

@@ -34,15 +34,16 @@ fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<Track> {
 }
 
 /// From 20 % off. `sigma` is the noise floor.
-fn fitted(tracks: &[Track], sigma: f64) -> Fit {
+fn fitted(tracks: &[Track], sigma: f64) -> (Fit, Covariance) {
     let segments = segments(tracks, 0.4);
     let start = Candidate {
         base: Base { b: 1.2 * BASE.b, c: 0.8 * BASE.c, f1: 1.2 * BASE.f1 },
         effects: vec![Effect::new(Kind::ConstantLoad, &[0.8 * LOAD])],
     };
-    Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false }
-        .fit(&start, &Free::all(&start.effects), None, 30)
-        .unwrap()
+    let problem = Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false };
+    let fit = problem.fit(&start, &Free::all(&start.effects), None, 30).unwrap();
+    let errors = problem.covariance(&fit);
+    (fit, errors)
 }
 
 fn values(fit: &Fit) -> [f64; 4] {
@@ -55,11 +56,11 @@ const TRUTH: [f64; 4] = [BASE.b, BASE.c, BASE.f1, LOAD];
 /// Without noise: to 0.01 % (row 13's tolerance), the stepped plant against the exact one that made the data.
 #[test]
 fn recovers_the_parameters() {
-    let fit = fitted(&tracks(4.0, 0.0, 1), 1e-6);
+    let (fit, errors) = fitted(&tracks(4.0, 0.0, 1), 1e-6);
     for (value, truth) in values(&fit).iter().zip(TRUTH) {
         assert!((value / truth - 1.0).abs() < 1e-4, "{:?}", values(&fit));
     }
-    assert_eq!(fit.standard_error(Free::Effect(1, 0)), None);
+    assert_eq!(errors.standard_error(Free::Effect(1, 0)), None);
 }
 
 /// Over 60 runs the reported standard error is within a factor 1.5 of the scatter (which 60 runs give to 9 %), and the
@@ -67,12 +68,12 @@ fn recovers_the_parameters() {
 #[test]
 fn standard_errors_are_those_of_the_scatter() {
     const RUNS: usize = 60;
-    let fits: Vec<Fit> = (0..RUNS).map(|seed| fitted(&tracks(4.0, SIGMA, seed as u64), SIGMA)).collect();
+    let fits: Vec<(Fit, Covariance)> = (0..RUNS).map(|seed| fitted(&tracks(4.0, SIGMA, seed as u64), SIGMA)).collect();
     for (k, truth) in TRUTH.into_iter().enumerate() {
-        let all: Vec<f64> = fits.iter().map(|fit| values(fit)[k]).collect();
+        let all: Vec<f64> = fits.iter().map(|(fit, _)| values(fit)[k]).collect();
         let mean = all.iter().sum::<f64>() / RUNS as f64;
         let scatter = (all.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (RUNS - 1) as f64).sqrt();
-        let reported = fits.iter().map(|fit| fit.covariance[(k, k)]).sum::<f64>() / RUNS as f64;
+        let reported = fits.iter().map(|(_, errors)| errors.matrix[(k, k)]).sum::<f64>() / RUNS as f64;
         let reported = reported.sqrt();
         println!("{k}: mean {:+.2e}, scatter {scatter:.2e}, reported {reported:.2e}", mean / truth - 1.0);
         assert!(reported < 1.5 * scatter && scatter < 1.5 * reported, "{k}: {reported:.3e} against {scatter:.3e}");
