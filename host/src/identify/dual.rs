@@ -9,12 +9,15 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use breakaway_core::scalar::Real;
 
 /// A value and its gradient. Comparisons look at the value only.
+///
+/// The gradient is in single precision: it gives the direction of a step and standard errors, not values, and takes half the
+/// time so.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<const N: usize> {
     /// The value.
     pub value: f64,
     /// Derivatives with respect to the N parameters.
-    pub gradient: [f64; N],
+    pub gradient: [f32; N],
 }
 
 impl<const N: usize> Dual<N> {
@@ -32,6 +35,7 @@ impl<const N: usize> Dual<N> {
     }
     #[inline]
     fn chain(mut self, value: f64, slope: f64) -> Self {
+        let slope = slope as f32;
         for lane in &mut self.gradient {
             *lane *= slope;
         }
@@ -40,7 +44,7 @@ impl<const N: usize> Dual<N> {
     /// The value, with each lane combined from those of both: a loop in place, which the compiler puts into vector
     /// instructions (`array::from_fn` it calls lane by lane).
     #[inline]
-    fn lanes(mut self, o: &Self, value: f64, combine: impl Fn(f64, f64) -> f64) -> Self {
+    fn lanes(mut self, o: &Self, value: f64, combine: impl Fn(f32, f32) -> f32) -> Self {
         for (lane, other) in self.gradient.iter_mut().zip(&o.gradient) {
             *lane = combine(*lane, *other);
         }
@@ -89,7 +93,8 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
-        self.lanes(&o, self.value * o.value, |a, b| a * o.value + b * self.value)
+        let (own, other) = (self.value as f32, o.value as f32);
+        self.lanes(&o, self.value * o.value, |a, b| a * other + b * own)
     }
 }
 impl<const N: usize> Div for Dual<N> {
@@ -98,7 +103,8 @@ impl<const N: usize> Div for Dual<N> {
     fn div(self, o: Self) -> Self {
         let inverse = 1.0 / o.value;
         let value = self.value * inverse;
-        self.lanes(&o, value, |a, b| (a - value * b) * inverse)
+        let (slope, over) = (value as f32, inverse as f32);
+        self.lanes(&o, value, |a, b| (a - slope * b) * over)
     }
 }
 impl<const N: usize> AddAssign for Dual<N> {
@@ -168,7 +174,8 @@ impl<const N: usize> Real for Dual<N> {
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
         let inverse = if square > 0.0 { 1.0 / square } else { 0.0 };
-        self.lanes(&x, self.value.atan2(x.value), |y, x_lane| (x.value * y - self.value * x_lane) * inverse)
+        let (by_y, by_x) = ((x.value * inverse) as f32, (self.value * inverse) as f32);
+        self.lanes(&x, self.value.atan2(x.value), |y, x| by_y * y - by_x * x)
     }
 }
 

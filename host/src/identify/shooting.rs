@@ -17,7 +17,7 @@ pub use super::candidate::{Candidate, Free};
 use super::dual::Dual;
 use super::track::Track;
 use super::track::median;
-use equations::Normal;
+use equations::{Normal, Sums};
 
 /// A segment counts for at least this many samples, however smooth its residual: misfit differs from one to the next.
 const LEAST_SAMPLES: f64 = 4.0;
@@ -198,8 +198,7 @@ impl Problem<'_> {
         let n = self.sub_steps(&plant, segment);
         let local = candidate.local();
         let track = &self.tracks[segment.track];
-        let mut hessian = [[0.0; N]; N];
-        let mut gradient = [0.0; N];
+        let mut sums = Sums::<N>::new();
         let mut missed = Missed::default();
         self.simulate(
             &plant,
@@ -210,19 +209,14 @@ impl Problem<'_> {
                 let weight = track.weight(k);
                 let residual = weight * (track.x[k] - simulated.value);
                 missed.by(residual);
-                let d = simulated.scale(weight).gradient;
-                for i in 0..N {
-                    gradient[i] += d[i] * residual;
-                    for j in 0..N {
-                        hessian[i][j] += d[i] * d[j];
-                    }
-                }
+                sums.add(&simulated.scale(weight).gradient, residual);
             },
         );
         let m = p + local;
+        let (hessian, gradient) = sums.finished(m);
         Normal {
-            hessian: DMatrix::from_fn(m, m, |i, j| hessian[i][j]),
-            gradient: DVector::from_fn(m, |i, _| gradient[i]),
+            hessian,
+            gradient,
             mse: missed.mean_square(segment.len),
             samples: missed.samples(segment.len),
         }
@@ -246,11 +240,9 @@ impl Problem<'_> {
 
     fn normal_any(&self, candidate: &Candidate, free: &[Free], segment: Segment, initial: Start) -> Normal {
         match free.len() + candidate.local() {
-            0..=2 => self.normal::<2>(candidate, free, segment, initial),
-            3..=6 => self.normal::<6>(candidate, free, segment, initial),
-            7..=8 => self.normal::<8>(candidate, free, segment, initial),
-            9..=10 => self.normal::<10>(candidate, free, segment, initial),
-            11..=12 => self.normal::<12>(candidate, free, segment, initial),
+            0..=4 => self.normal::<4>(candidate, free, segment, initial),
+            5..=8 => self.normal::<8>(candidate, free, segment, initial),
+            9..=12 => self.normal::<12>(candidate, free, segment, initial),
             _ => self.normal::<20>(candidate, free, segment, initial),
         }
     }

@@ -22,6 +22,56 @@ pub(super) struct Normal {
     pub(super) samples: f64,
 }
 
+/// Samples whose products are summed in one go: the sums stay in registers meanwhile.
+const TOGETHER: usize = 8;
+
+/// Sums over a segment of the products of the derivatives with each other and with the residual.
+pub(super) struct Sums<const N: usize> {
+    hessian: [[f64; N]; N],
+    gradient: [f64; N],
+    rows: [[f64; N]; TOGETHER],
+    waiting: usize,
+}
+
+impl<const N: usize> Sums<N> {
+    pub(super) const fn new() -> Self {
+        Self { hessian: [[0.0; N]; N], gradient: [0.0; N], rows: [[0.0; N]; TOGETHER], waiting: 0 }
+    }
+
+    pub(super) fn add(&mut self, derivatives: &[f32; N], residual: f64) {
+        let row = &mut self.rows[self.waiting];
+        for ((slot, sum), derivative) in row.iter_mut().zip(&mut self.gradient).zip(derivatives) {
+            *slot = f64::from(*derivative);
+            *sum += *slot * residual;
+        }
+        self.waiting += 1;
+        if self.waiting == TOGETHER {
+            self.sum();
+        }
+    }
+
+    /// The products of the waiting rows; one triangle, but for what makes whole vectors.
+    fn sum(&mut self) {
+        for (i, sums) in self.hessian.iter_mut().enumerate() {
+            let mut total = *sums;
+            for row in &self.rows {
+                for j in 0..N {
+                    total[j] += row[i] * row[j];
+                }
+            }
+            *sums = total;
+        }
+        self.rows = [[0.0; N]; TOGETHER];
+        self.waiting = 0;
+    }
+
+    /// The first `m` rows and columns, and the first `m` of the gradient.
+    pub(super) fn finished(mut self, m: usize) -> (DMatrix<f64>, DVector<f64>) {
+        self.sum();
+        (DMatrix::from_fn(m, m, |i, j| self.hessian[i][j]), DVector::from_fn(m, |i, _| self.gradient[i]))
+    }
+}
+
 impl Problem<'_> {
     /// A step of one segment's start alone, the parameters held.
     pub(super) fn start_step(
