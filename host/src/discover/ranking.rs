@@ -49,13 +49,13 @@ pub(super) fn better(evidence: &Paired, extra: usize) -> bool {
     (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || evidence.beyond_doubt(extra, NAMING.price)
 }
 
-/// The laws with fewer parameters than the named one that it may be confused with, as they were fitted beside it.
+/// The laws with fewer parameters than the named one that it may be confused with or has as special cases, as they were fitted beside it.
 pub(super) fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<Effect<f64>> {
     let definition = tried[named].kind.definition();
     let Ok(winner) = &tried[named].fit else { return Vec::new() };
     tried
         .iter()
-        .filter(|t| definition.confused_with.contains(&t.kind.name()))
+        .filter(|t| definition.confused_with.contains(&t.kind.name()) || special_case(t.kind, tried[named].kind))
         .filter_map(|t| t.fit.as_ref().ok())
         .filter(|fit| fit.free.len() < winner.free.len())
         .filter_map(|fit| fit.candidate.effects.get(place).copied())
@@ -73,8 +73,10 @@ pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units
     let (kind, fit) = fits.find(|(_, fit)| enough(fit))?;
     let evidence = evidence(fit);
     let place = fit.candidate.effects.len() - 1;
-    let parameters: Vec<String> =
-        parameters(&fit.candidate, place, None, units).iter().map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit)).collect();
+    let parameters: Vec<String> = parameters(&fit.candidate, place, None, units)
+        .iter()
+        .map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit))
+        .collect();
     Some(format!(
         "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by {}",
         data.segment_s,
@@ -92,11 +94,12 @@ fn look_alike(named: Kind, other: Kind) -> bool {
     named.definition().confused_with.contains(&other.name()) && !special_case(named, other)
 }
 
-/// Whether `law` is `general` with certain parameters.
+/// Whether `law` is `general` with certain parameters, or in the limit: a ripple longer than what was recorded is a load.
 pub(super) fn special_case(law: Kind, general: Kind) -> bool {
     match general {
         Kind::LuGre => matches!(law, Kind::Dahl | Kind::Stribeck),
-        Kind::Cogging => law == Kind::GravityLoad,
+        Kind::Cogging => matches!(law, Kind::GravityLoad | Kind::ConstantLoad),
+        Kind::TimePeriodic => law == Kind::ConstantLoad,
         _ => false,
     }
 }

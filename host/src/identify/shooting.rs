@@ -214,12 +214,7 @@ impl Problem<'_> {
         );
         let m = p + local;
         let (hessian, gradient) = sums.finished(m);
-        Normal {
-            hessian,
-            gradient,
-            mse: missed.mean_square(segment.len),
-            samples: missed.samples(segment.len),
-        }
+        Normal { hessian, gradient, mse: missed.mean_square(segment.len), samples: missed.samples(segment.len) }
     }
 
     /// How a segment is missed from a given start, without the normal equations.
@@ -396,12 +391,7 @@ impl Problem<'_> {
 
     /// Evaluates every segment from its stepped start. Where that made a segment worse (a reversal or a release jumps to
     /// another sample), its start is settled by itself, from the old one too: or a few segments would block the step of all.
-    fn settled(
-        &self,
-        candidate: &Candidate,
-        free: &[Free],
-        stepped: Stepped<'_>,
-    ) -> (Vec<Start>, Vec<Normal>) {
+    fn settled(&self, candidate: &Candidate, free: &[Free], stepped: Stepped<'_>) -> (Vec<Start>, Vec<Normal>) {
         let Stepped { old, old_mse, new, last } = stepped;
         let floor = self.floor();
         let settle = |i: usize, start: Start| {
