@@ -129,7 +129,7 @@ pub struct Round {
     pub data: Data,
     /// The current model, refitted with that floor.
     pub current: Fit,
-    /// Every effect of the catalogue.
+    /// Every effect of the catalogue, in the order of their costs.
     pub tried: Vec<Tried>,
 }
 
@@ -199,6 +199,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
             *fit = polished(&data, fit.clone(), share(fit) > CONTENDING, rotary);
         }
     });
+    tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     Round { data, current, tried }
 }
 

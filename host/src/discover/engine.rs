@@ -2,15 +2,12 @@
 
 use std::time::Instant;
 
-use breakaway_core::plant::{Base, Effect, Kind};
+use breakaway_core::plant::Base;
 
-use super::candidates::{self, Round};
+use super::chain::{Chain, Tie};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::decide::{FURTHER, paired};
-use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::next_experiment::{self, Limits};
-use super::outcome::{CandidateRow, Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
-use super::ranking::{better, evidence, nearest, parameters, preference, rivals, simpler_laws, table};
+use super::outcome::{Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
 use super::refit;
 use super::screen::Screen;
 use super::where_map;
@@ -116,145 +113,41 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
     }
     let (start, mut remarks) = starting_model(request)?;
     progress("fitting the base model");
-    let mut current =
+    let base_fit =
         refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
-    let base_fit = current.clone();
-    let rotary = matches!(units.x.as_str(), "rad" | "x");
-    let mut ladder = vec![rung(&data, &current)];
-    let mut named: Vec<NamedEffect> = Vec::new();
-    let mut first_round: Vec<CandidateRow> = Vec::new();
-    let mut closest = None;
-    let mut simpler: Vec<Vec<Effect<f64>>> = Vec::new();
-    let mut tie: Option<(Fit, Fit, Vec<Kind>)> = None;
-    let base_gap = Gap::of(&data, &current);
-    let mut gap = base_gap;
+    let mut chain = Chain::new(&data, &units, base_fit.clone());
     for _ in 0..MAX_ADDED {
-        if !named.is_empty() && !gap.something_left() {
+        if !chain.step(progress) {
             break;
         }
-        progress(&format!("looking for effect {} among {}", named.len() + 1, Kind::ALL.len()));
-        let Some(screen) = Screen::of_all_widths(&data, &current.candidate) else { break };
-        let Round { data: judged, current: without, mut tried } = candidates::try_all(&data, &current, &screen, rotary);
-        tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let order = preference(&judged, &without, &tried);
-        if named.is_empty() {
-            closest = nearest(&judged, &without, &tried, &units);
-        }
-        let accepted = order.iter().copied().find_map(|index| {
-            let fit = refit::settled(&data, refit::converged(&judged, tried[index].fit.as_ref().ok()?));
-            let after = Gap::of(&data, &fit);
-            let doubted = || {
-                let enough = !gap.only_outliers() && evidence(&judged, &without, &tried[index], &FURTHER);
-                (!named.is_empty() && !enough && !gap.closed_by(&after))
-                    .then(|| "thins what is left in a few segments, and does not close it".to_owned())
-            };
-            let adrift = || {
-                (tried[index].kind.free_memory() == 2 && !gap.followed_by_bodies(&after))
-                    .then(|| "follows short segments from a start free in each, and not the open loop".to_owned())
-            };
-            let refusal = gap.refuses(&after).or_else(adrift).or_else(doubted);
-            let Some(reason) = refusal else { return Some((index, fit, after)) };
-            remarks.push(format!("{} {reason}: not named", tried[index].kind.name()));
-            tried[index].fit = Err(reason);
-            None
-        });
-        let mut rivals = accepted.as_ref().map_or_else(Vec::new, |(i, fit, _)| rivals(&judged, fit, &tried, *i));
-        rivals.retain(|rival| {
-            let other = tried.iter_mut().find(|t| t.kind == rival.kind && rival.tied);
-            let reason = other.as_ref().and_then(|t| gap.refuses(&Gap::of(&data, t.fit.as_ref().ok()?)));
-            if let (Some(other), Some(reason)) = (other, &reason) {
-                other.fit = Err(reason.clone());
-            }
-            reason.is_none()
-        });
-        if named.is_empty() {
-            first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
-        }
-        let Some((index, fit, after)) = accepted else { break };
-        if let Some(rival) = rivals.iter().find(|r| r.tied)
-            && let Some(Ok(other)) = tried.iter().find(|t| t.kind == rival.kind).map(|t| &t.fit)
-        {
-            tie = Some((fit.clone(), other.clone(), vec![tried[index].kind, rival.kind]));
-        }
-        current = fit;
-        gap = after;
-        simpler.push(simpler_laws(&tried, index, start.effects.len() + named.len()));
-        named.push(NamedEffect { kind: tried[index].kind, parameters: Vec::new(), rivals });
-        // What was named while another was still missing may have taken that one's share.
-        for j in (0..named.len() - 1).rev() {
-            let place = start.effects.len() + j;
-            let worse = |other: &Fit| {
-                let evidence = paired(&other.mse, &current.mse, &current.samples, judged.floor());
-                better(&evidence, current.free.len().saturating_sub(other.free.len()))
-            };
-            if let Some(other) = refit::without(&judged, &current, place).filter(|other| !worse(other)) {
-                remarks.push(format!("beside what was named later, nothing is left of {}", named[j].kind.name()));
-                tie.take_if(|(_, _, kinds)| kinds.contains(&named[j].kind));
-                named.remove(j);
-                simpler.remove(j);
-                gap = Gap::of(&data, &other);
-                current = other;
-                continue;
-            }
-            if let Some(other) = refit::replaced(&judged, &current, place, &simpler[j]).filter(|other| !worse(other)) {
-                let (old, new) = (named[j].kind, other.candidate.effects[place].kind);
-                remarks.push(format!("beside what was named later, {} does as well as {}", new.name(), old.name()));
-                named[j].kind = new;
-                named[j].rivals.retain(|rival| rival.kind != new);
-                gap = Gap::of(&data, &other);
-                current = other;
-            }
-        }
-        ladder.push(rung(&data, &current));
     }
-    if !named.is_empty() && base_gap.leaves(&gap, LEAST_TOTAL) {
-        let names: Vec<&str> = named.iter().map(|n| n.kind.name()).collect();
-        remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
-        (current, gap) = (base_fit.clone(), base_gap);
-        named.clear();
-        ladder.truncate(1);
-        tie = None;
-    }
-    let kinds: Vec<Kind> = named.iter().map(|n| n.kind).collect();
-    let errors = data.problem().covariance(&current);
-    for (j, effect) in named.iter_mut().enumerate() {
-        // What is named beside it was no rival.
-        effect.rivals.retain(|rival| !kinds.contains(&rival.kind));
-        let place = start.effects.len() + j;
-        effect.parameters = parameters(&current.candidate, place, Some(&errors), &units);
-    }
+    let ended = chain.end();
+    remarks.extend(ended.remarks);
+    let (current, named, ladder) = (ended.fit, ended.named, ended.ladder);
     progress("drawing the map");
     let where_map = match (Screen::new(&data, &base_fit.candidate), Screen::new(&data, &current.candidate)) {
         (Some(before), Some(after)) => where_map::rows(&data, &before, &after, &units),
         _ => Vec::new(),
     };
-    let open_tie = tie.filter(|(_, _, tied)| !tied.iter().all(|kind| kinds.contains(kind)));
-    let next_experiment = open_tie.and_then(|(a, b, kinds)| {
+    let next_experiment = ended.tie.and_then(|Tie { a, b, kinds }| {
         progress("designing the next experiment");
         next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(&data), &units)
     });
-    let bodies = named.iter().any(|n| n.kind.free_memory() == 2);
-    let explained = if bodies { base_gap.explained_by_bodies(&gap) } else { gap.explained() };
-    let verdict = match (named.is_empty(), base_gap.real(), explained) {
-        (true, false, _) => Verdict::NothingMissing,
-        (true, true, _) => Verdict::Unknown,
-        (false, _, true) => Verdict::Explained,
-        (false, _, false) => Verdict::PartlyExplained,
-    };
+    let verdict = ended.verdict;
     Ok(Discovery {
         verdict,
         sentence: sentence(verdict, &named, &ladder, data.sigma, where_map.first().map(|w| w.coordinate)),
         effects: named,
         ladder,
         model: current.candidate.clone(),
-        model_se: model_se(&current.candidate, &errors),
-        base_se: [0, 1, 2].map(|i| errors.standard_error(Free::Base(i)).unwrap_or(f64::NAN)),
+        model_se: model_se(&current.candidate, &ended.errors),
+        base_se: [0, 1, 2].map(|i| ended.errors.standard_error(Free::Base(i)).unwrap_or(f64::NAN)),
         noise_floor: data.sigma,
         where_map,
-        candidates: first_round,
+        candidates: ended.first_round,
         overlays: overlays(&data, &base_fit, &current),
         next_experiment,
-        nearest: closest,
+        nearest: ended.closest,
         remarks,
         units,
         segments: (data.fit.len() + data.score.len(), data.available),
@@ -301,19 +194,6 @@ fn model_se(model: &Candidate, errors: &Covariance) -> Vec<Vec<f64>> {
             (0..count).map(|i| errors.standard_error(Free::Effect(j, i)).unwrap_or(0.0)).collect()
         })
         .collect()
-}
-
-fn rung(data: &Data, fit: &Fit) -> Rung {
-    let score = data.over(&data.score).score(&fit.candidate);
-    let (square, count) =
-        open_loop_squares(data, fit).iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
-    Rung {
-        effects: fit.candidate.effects.iter().map(|e| e.kind).collect(),
-        base: fit.candidate.base,
-        fit_rmse: root_mean(&fit.mse),
-        holdout_rmse: root_mean(&score),
-        holdout_open_loop_rmse: (square / count.max(1) as f64).sqrt(),
-    }
 }
 
 fn limits(data: &Data) -> Limits {

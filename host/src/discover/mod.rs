@@ -1,6 +1,7 @@
 //! Discovery: where simulation and measurement disagree, what is missing, and whether adding it closes the gap.
 
 pub mod candidates;
+mod chain;
 pub mod data;
 pub mod decide;
 pub mod engine;

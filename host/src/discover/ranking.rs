@@ -49,16 +49,18 @@ pub(super) fn better(evidence: &Paired, extra: usize) -> bool {
     (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || evidence.beyond_doubt(extra, NAMING.price)
 }
 
-/// The laws with fewer parameters than the named one that it may be confused with or has as special cases, as they were fitted beside it.
-pub(super) fn simpler_laws(tried: &[Tried], named: usize, place: usize) -> Vec<Effect<f64>> {
-    let definition = tried[named].kind.definition();
+/// The laws to try in the place of the named one once another effect is there: those with fewer parameters that it may be
+/// confused with or has as special cases, and what is tied with it; as they were fitted beside it.
+pub(super) fn instead(tried: &[Tried], named: usize, rivals: &[Rival], place: usize) -> Vec<Effect<f64>> {
+    let kind = tried[named].kind;
     let Ok(winner) = &tried[named].fit else { return Vec::new() };
+    let like = |other: Kind| kind.definition().confused_with.contains(&other.name()) || special_case(other, kind);
+    let tied = |other: Kind| rivals.iter().any(|rival| rival.tied && rival.kind == other);
     tried
         .iter()
-        .filter(|t| definition.confused_with.contains(&t.kind.name()) || special_case(t.kind, tried[named].kind))
-        .filter_map(|t| t.fit.as_ref().ok())
-        .filter(|fit| fit.free.len() < winner.free.len())
-        .filter_map(|fit| fit.candidate.effects.get(place).copied())
+        .filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)))
+        .filter(|(kind, fit)| tied(*kind) || (like(*kind) && fit.free.len() < winner.free.len()))
+        .filter_map(|(_, fit)| fit.candidate.effects.get(place).copied())
         .collect()
 }
 

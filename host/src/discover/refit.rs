@@ -177,28 +177,27 @@ pub(super) fn polished(data: &Data, fit: Fit, contender: bool, rotary: bool) -> 
     if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
 }
 
-/// The model with its effect `j` replaced by each of `rivals`, simpler laws that were tried when it was named, refitted over
-/// all segments: an effect named while another was still missing may have taken that one's share. The best replacement.
-pub fn replaced(data: &Data, current: &Fit, j: usize, rivals: &[Effect<f64>]) -> Option<Fit> {
-    let problem = data.problem();
-    rivals
-        .par_iter()
-        .with_max_len(1)
-        .filter_map(|rival| {
-            let mut candidate = current.candidate.clone();
-            if candidate.effects.iter().any(|effect| effect.kind == rival.kind) {
-                return None;
-            }
-            candidate.effects[j] = *rival;
-            problem.fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
-        })
-        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+/// The model with its effect `j` replaced by each of `others`, refitted over all segments.
+pub fn replaced(data: &Data, current: &Fit, j: usize, others: &[Effect<f64>]) -> Vec<Fit> {
+    let fresh = |other: &&Effect<f64>| !current.candidate.effects.iter().any(|effect| effect.kind == other.kind);
+    let others: Vec<&Effect<f64>> = others.iter().filter(fresh).collect();
+    let replaced = others.into_par_iter().with_max_len(1).map(|other| {
+        let mut candidate = current.candidate.clone();
+        candidate.effects[j] = *other;
+        refitted(data, current, candidate)
+    });
+    replaced.flatten().collect()
 }
 
 /// The model without its effect `j`, refitted over all segments.
 pub fn without(data: &Data, current: &Fit, j: usize) -> Option<Fit> {
     let mut candidate = current.candidate.clone();
     candidate.effects.remove(j);
+    refitted(data, current, candidate)
+}
+
+/// Another model, from the starts of the current one.
+fn refitted(data: &Data, current: &Fit, candidate: Candidate) -> Option<Fit> {
     data.problem().fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
 }
 

@@ -1,0 +1,284 @@
+//! The model as it grows: in every round the effects of the catalogue are tried, the best is held against data that it was not
+//! fitted to, and what was named before is looked at again beside it.
+
+use breakaway_core::plant::{Effect, Kind};
+
+use super::candidates::{self, Round};
+use super::data::Data;
+use super::decide::{FURTHER, paired};
+use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
+use super::outcome::{CandidateRow, NamedEffect, Rung, Verdict};
+use super::ranking::{better, evidence, instead, nearest, parameters, preference, rivals, table};
+use super::refit;
+use super::screen::Screen;
+use crate::identify::shooting::{Covariance, Fit};
+use crate::recording::Units;
+
+/// A model on its way from the base to all that can be named.
+pub(super) struct Chain<'a> {
+    data: &'a Data,
+    units: &'a Units,
+    base: (Fit, Gap),
+    current: Fit,
+    gap: Gap,
+    named: Vec<Named>,
+    ladder: Vec<Rung>,
+    first_round: Vec<CandidateRow>,
+    closest: Option<String>,
+    tie: Option<Tie>,
+    remarks: Vec<String>,
+    /// The next round, where looking one further has run it already.
+    ahead: Option<Round>,
+}
+
+/// A named effect: what comes close, and the laws that are tried in its place once another is named.
+struct Named {
+    effect: NamedEffect,
+    instead: Vec<Effect<f64>>,
+}
+
+/// Two fits that the recordings do not tell apart.
+pub(super) struct Tie {
+    pub a: Fit,
+    pub b: Fit,
+    pub kinds: [Kind; 2],
+}
+
+/// What the chain comes to.
+pub(super) struct Ended {
+    pub verdict: Verdict,
+    pub fit: Fit,
+    pub errors: Covariance,
+    pub named: Vec<NamedEffect>,
+    pub ladder: Vec<Rung>,
+    /// What became of every effect in the first round.
+    pub first_round: Vec<CandidateRow>,
+    /// The effect that came closest in it, said.
+    pub closest: Option<String>,
+    pub tie: Option<Tie>,
+    pub remarks: Vec<String>,
+}
+
+/// An effect that is to be named: its place in the round, the fit with it, and what that leaves on held-out data.
+type Accepted = (usize, Fit, Gap);
+
+impl<'a> Chain<'a> {
+    pub(super) fn new(data: &'a Data, units: &'a Units, base: Fit) -> Self {
+        let gap = Gap::of(data, &base);
+        Self {
+            data,
+            units,
+            current: base.clone(),
+            gap,
+            named: Vec::new(),
+            ladder: vec![rung(data, &base)],
+            base: (base, gap),
+            first_round: Vec::new(),
+            closest: None,
+            tie: None,
+            remarks: Vec::new(),
+            ahead: None,
+        }
+    }
+
+    /// Where the effects of the model begin that were not given.
+    fn known(&self) -> usize {
+        self.base.0.candidate.effects.len()
+    }
+
+    /// One effect more; `false` where none is missing or none can be named.
+    pub(super) fn step(&mut self, progress: &(dyn Fn(&str) + Sync)) -> bool {
+        let first = self.named.is_empty();
+        if !first && !self.gap.something_left() {
+            return false;
+        }
+        progress(&format!("looking for effect {} among {}", self.named.len() + 1, Kind::ALL.len()));
+        let Some(mut round) = self.ahead.take().or_else(|| self.round(&self.current)) else { return false };
+        if first {
+            self.closest = nearest(&round.data, &round.current, &round.tried, self.units);
+        }
+        let accepted = self.accepted(&mut round);
+        let rivals = accepted.as_ref().map_or_else(Vec::new, |(index, fit, _)| self.rivals(&mut round, *index, fit));
+        let Round { data: judged, current: without, tried } = round;
+        if first {
+            self.first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
+        }
+        let Some((index, fit, after)) = accepted else { return false };
+        let kind = tried[index].kind;
+        if let Some(rival) = rivals.iter().find(|r| r.tied)
+            && let Some(Ok(other)) = tried.iter().find(|t| t.kind == rival.kind).map(|t| &t.fit)
+        {
+            self.tie = Some(Tie { a: fit.clone(), b: other.clone(), kinds: [kind, rival.kind] });
+        }
+        let instead = instead(&tried, index, &rivals, self.known() + self.named.len());
+        self.current = fit;
+        self.gap = after;
+        self.named.push(Named { effect: NamedEffect { kind, parameters: Vec::new(), rivals }, instead });
+        self.look_back(&judged);
+        self.ladder.push(rung(self.data, &self.current));
+        true
+    }
+
+    fn round(&self, fit: &Fit) -> Option<Round> {
+        let screen = Screen::of_all_widths(self.data, &fit.candidate)?;
+        let rotary = matches!(self.units.x.as_str(), "rad" | "x");
+        Some(candidates::try_all(self.data, fit, &screen, rotary))
+    }
+
+    /// The first effect, in the order of preference, that holds on data that it was not fitted to.
+    fn accepted(&mut self, round: &mut Round) -> Option<Accepted> {
+        let mut looked_further = false;
+        for index in preference(&round.data, &round.current, &round.tried) {
+            let Some((fit, after)) = self.carried_through(round, index) else { continue };
+            let Some(reason) = self.refusal(round, index, &after) else { return Some((index, fit, after)) };
+            // What another missing effect spoils on held-out data may be right.
+            if !looked_further && self.gap.typically_halved(&after) {
+                looked_further = true;
+                self.ahead = self.round(&fit).filter(|next| self.is_explained_by(next));
+                if self.ahead.is_some() {
+                    return Some((index, fit, after));
+                }
+            }
+            self.remarks.push(format!("{} {reason}: not named", round.tried[index].kind.name()));
+            round.tried[index].fit = Err(reason);
+        }
+        None
+    }
+
+    /// An effect's fit carried to its end, and what it leaves.
+    fn carried_through(&self, round: &Round, index: usize) -> Option<(Fit, Gap)> {
+        let fit = round.tried[index].fit.as_ref().ok()?;
+        let fit = refit::settled(self.data, refit::converged(&round.data, fit));
+        let after = Gap::of(self.data, &fit);
+        Some((fit, after))
+    }
+
+    /// Whether the best effect of a round brings the model down to the noise.
+    fn is_explained_by(&self, round: &Round) -> bool {
+        let order = preference(&round.data, &round.current, &round.tried);
+        order.first().and_then(|best| self.carried_through(round, *best)).is_some_and(|(_, after)| after.explained())
+    }
+
+    /// Why an effect that leaves `after` is not named.
+    fn refusal(&self, round: &Round, index: usize, after: &Gap) -> Option<String> {
+        let tried = &round.tried[index];
+        if let Some(reason) = self.gap.refuses(after) {
+            return Some(reason);
+        }
+        if tried.kind.free_memory() == 2 && !self.gap.followed_by_bodies(after) {
+            return Some("follows short segments from a start free in each, and not the open loop".to_owned());
+        }
+        let enough = !self.gap.only_outliers() && evidence(&round.data, &round.current, tried, &FURTHER);
+        (!self.named.is_empty() && !enough && !self.gap.closed_by(after))
+            .then(|| "thins what is left in a few segments, and does not close it".to_owned())
+    }
+
+    /// What comes close to the effect that is named; what is tied with it must hold on the held-out data too.
+    fn rivals(&self, round: &mut Round, index: usize, fit: &Fit) -> Vec<super::outcome::Rival> {
+        let mut rivals = rivals(&round.data, fit, &round.tried, index);
+        rivals.retain(|rival| {
+            let other = round.tried.iter_mut().find(|t| t.kind == rival.kind && rival.tied);
+            let reason = other.as_ref().and_then(|t| self.gap.refuses(&Gap::of(self.data, t.fit.as_ref().ok()?)));
+            if let (Some(other), Some(reason)) = (other, &reason) {
+                other.fit = Err(reason.clone());
+            }
+            reason.is_none()
+        });
+        rivals
+    }
+
+    /// What was named while another was still missing may have taken that one's share, or another law's place.
+    fn look_back(&mut self, judged: &Data) {
+        for j in (0..self.named.len() - 1).rev() {
+            let place = self.known() + j;
+            let name = self.named[j].effect.kind.name();
+            // With fewer parameters it is enough to do as well.
+            let does = |other: &Fit| {
+                let (own, its) = (self.current.free.len(), other.free.len());
+                if its < own {
+                    let lost = paired(&other.mse, &self.current.mse, &self.current.samples, judged.floor());
+                    !better(&lost, own - its)
+                } else {
+                    let gained = paired(&self.current.mse, &other.mse, &other.samples, judged.floor());
+                    better(&gained, its - own)
+                }
+            };
+            if let Some(other) = refit::without(judged, &self.current, place).filter(does) {
+                self.remarks.push(format!("beside what was named later, nothing is left of {name}"));
+                self.tie.take_if(|tie| tie.kinds.contains(&self.named[j].effect.kind));
+                self.named.remove(j);
+                self.go_on_with(other);
+                continue;
+            }
+            let others = refit::replaced(judged, &self.current, place, &self.named[j].instead);
+            let best = others.into_iter().filter(does).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            if let Some(other) = best {
+                let new = other.candidate.effects[place].kind;
+                let how =
+                    if other.free.len() < self.current.free.len() { "does as well as" } else { "does better than" };
+                self.remarks.push(format!("beside what was named later, {} {how} {name}", new.name()));
+                self.named[j].effect.kind = new;
+                self.named[j].effect.rivals.retain(|rival| rival.kind != new);
+                self.go_on_with(other);
+            }
+        }
+    }
+
+    fn go_on_with(&mut self, fit: Fit) {
+        self.gap = Gap::of(self.data, &fit);
+        self.current = fit;
+    }
+
+    /// The verdict, and all that goes with it.
+    pub(super) fn end(mut self) -> Ended {
+        let (base, base_gap) = self.base;
+        if !self.named.is_empty() && base_gap.leaves(&self.gap, LEAST_TOTAL) {
+            let names: Vec<&str> = self.named.iter().map(|n| n.effect.kind.name()).collect();
+            self.remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
+            (self.current, self.gap) = (base.clone(), base_gap);
+            self.named.clear();
+            self.ladder.truncate(1);
+            self.tie = None;
+        }
+        let mut named: Vec<NamedEffect> = self.named.into_iter().map(|named| named.effect).collect();
+        let kinds: Vec<Kind> = named.iter().map(|effect| effect.kind).collect();
+        let errors = self.data.problem().covariance(&self.current);
+        for (j, effect) in named.iter_mut().enumerate() {
+            // What is named beside it was no rival.
+            effect.rivals.retain(|rival| !kinds.contains(&rival.kind));
+            let place = base.candidate.effects.len() + j;
+            effect.parameters = parameters(&self.current.candidate, place, Some(&errors), self.units);
+        }
+        let bodies = kinds.iter().any(|kind| kind.free_memory() == 2);
+        let explained = if bodies { base_gap.explained_by_bodies(&self.gap) } else { self.gap.explained() };
+        Ended {
+            verdict: match (named.is_empty(), base_gap.real(), explained) {
+                (true, false, _) => Verdict::NothingMissing,
+                (true, true, _) => Verdict::Unknown,
+                (false, _, true) => Verdict::Explained,
+                (false, _, false) => Verdict::PartlyExplained,
+            },
+            fit: self.current,
+            errors,
+            named,
+            ladder: self.ladder,
+            first_round: self.first_round,
+            closest: self.closest,
+            tie: self.tie.filter(|tie| !tie.kinds.iter().all(|kind| kinds.contains(kind))),
+            remarks: self.remarks,
+        }
+    }
+}
+
+fn rung(data: &Data, fit: &Fit) -> Rung {
+    let score = data.over(&data.score).score(&fit.candidate);
+    let (square, count) =
+        open_loop_squares(data, fit).iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
+    Rung {
+        effects: fit.candidate.effects.iter().map(|e| e.kind).collect(),
+        base: fit.candidate.base,
+        fit_rmse: root_mean(&fit.mse),
+        holdout_rmse: root_mean(&score),
+        holdout_open_loop_rmse: (square / count.max(1) as f64).sqrt(),
+    }
+}
