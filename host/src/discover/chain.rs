@@ -5,7 +5,7 @@ use breakaway_core::plant::{Effect, Kind};
 
 use super::candidates::{self, Round};
 use super::data::Data;
-use super::decide::{FURTHER, paired};
+use super::decide::{FURTHER, NAMING, paired};
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::outcome::{CandidateRow, NamedEffect, Rung, Verdict};
 use super::ranking::{better, evidence, instead, nearest, parameters, preference, rivals, table};
@@ -130,6 +130,11 @@ impl<'a> Chain<'a> {
         let mut looked_further = false;
         for index in preference(&round.data, &round.current, &round.tried) {
             let Some((fit, after)) = self.carried_through(round, index) else { continue };
+            self.finish_without(round, &fit);
+            if !evidence(&round.data, &round.current, &round.tried[index], &NAMING) {
+                round.tried[index].fit = Err("only finishes the fit of what was named before".to_owned());
+                continue;
+            }
             let Some(reason) = self.refusal(round, index, &after) else { return Some((index, fit, after)) };
             // What another missing effect spoils on held-out data may be right.
             if !looked_further && self.gap.typically_halved(&after) {
@@ -143,6 +148,19 @@ impl<'a> Chain<'a> {
             round.tried[index].fit = Err(reason);
         }
         None
+    }
+
+    /// What an effect gained by leading the earlier ones out of a narrow valley is not its own: the model without it goes on
+    /// from there, if that is better.
+    fn finish_without(&mut self, round: &mut Round, fit: &Fit) {
+        if self.named.is_empty() {
+            return;
+        }
+        let last = fit.candidate.effects.len() - 1;
+        if let Some(other) = refit::without(&round.data, fit, last).filter(|other| other.cost < round.current.cost) {
+            round.current = other.clone();
+            self.go_on_with(other);
+        }
     }
 
     /// An effect's fit carried to its end, and what it leaves.
