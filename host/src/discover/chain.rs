@@ -168,6 +168,10 @@ impl<'a> Chain<'a> {
         let fit = round.tried[index].fit.as_ref().ok()?;
         let fit = refit::settled(self.data, refit::converged(&round.data, fit));
         let after = Gap::of(self.data, &fit);
+        let shaken = Some(&fit).filter(|_| after.something_left()).and_then(|fit| refit::shaken(&round.data, fit));
+        let Some(shaken) = shaken else { return Some((fit, after)) };
+        let fit = refit::settled(self.data, refit::converged(&round.data, &shaken));
+        let after = Gap::of(self.data, &fit);
         Some((fit, after))
     }
 

@@ -26,6 +26,9 @@ const WORTH_A_RESTART: f64 = 20.0;
 /// How far a wave number may be from a whole one to be taken for it.
 const WHOLE: f64 = 0.1;
 
+/// Share of the inertia below which a second body is not believed.
+const LEAST_BODY: f64 = 0.02;
+
 /// Over all segments to convergence.
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     // Bristles that took the share of an effect which was missing are too long until it is there: only the new ones count yet.
@@ -43,8 +46,9 @@ pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     Ok(fit)
 }
 
-/// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's, and bristles so long
-/// that they never let go, which are a spring whose rest every segment chooses for itself.
+/// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's; bristles so long
+/// that they never let go, which are a spring whose rest every segment chooses for itself; and bodies so light that only
+/// their start, free in every segment, is left of them.
 fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Result<(), String> {
     let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
@@ -60,6 +64,13 @@ fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Res
     };
     if bristles.iter().any(soft) {
         return Err("its bristles became longer than the motion".to_owned());
+    }
+    let light = |effect: &Effect<f64>| {
+        let share = effect.kind.definition().parameters.iter().position(|p| p.symbol == "mu");
+        effect.kind.free_memory() == 2 && share.is_some_and(|i| effect.p[i] < LEAST_BODY)
+    };
+    if candidate.effects.iter().any(light) {
+        return Err(format!("its body became lighter than {:.0} % of the inertia", 100.0 * LEAST_BODY));
     }
     Ok(())
 }
@@ -232,22 +243,37 @@ fn refined(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
 }
 
 /// Coordinate search over the parameters of effect `j` that are on a grid: ratios that shrink, the rest refitted.
-fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
-    let parameters = best.candidate.effects[j].kind.definition().parameters;
+fn along_thresholds(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
     // A single threshold, at rest, decides by the sample at which the body starts: to a percent and finer.
     let own = best.free.iter().filter(|free| matches!(free, Free::Effect(k, _) if *k == j)).count();
     let ratios: &[f64] = if own == 1 { &[1.5, 1.15, 1.05, 1.015, 1.005] } else { &[1.4, 1.12] };
+    let parameters = best.candidate.effects[j].kind.definition().parameters.iter();
+    let on_a_grid = parameters.enumerate().filter(|(_, p)| matches!(p.search, Search::Grid(..)) && p.default.is_none());
+    let best = along(problem, best, j, &on_a_grid.map(|(i, _)| i).collect::<Vec<_>>(), ratios);
+    problem.fit(&best.candidate, &best.free, Some(&best.initial), 5).unwrap_or(best)
+}
+
+/// A level at rest that many segments pass decides, as a threshold does, by the sample at which the body starts: the fit stops
+/// a percent or two short of it, in one of many narrow wells.
+pub(super) fn shaken(data: &Data, fit: &Fit) -> Option<Fit> {
+    let best = fit.clone();
+    let j = best.candidate.effects.len() - 1;
+    let parameters = best.candidate.effects[j].kind.definition().parameters.iter();
+    let levels = parameters.enumerate().filter(|(_, p)| p.search == Search::Amplitude && p.unit == "U");
+    let best = along(&data.problem(), best, j, &levels.map(|(i, _)| i).collect::<Vec<_>>(), &[1.05, 1.02, 1.007]);
+    (best.cost < fit.cost).then_some(best)
+}
+
+/// Coordinate search over the parameters `indices` of effect `j`: on by each ratio, up and down, as long as it gets better.
+fn along(problem: &Problem<'_>, mut best: Fit, j: usize, indices: &[usize], ratios: &[f64]) -> Fit {
+    let parameters = best.candidate.effects[j].kind.definition().parameters;
     for &ratio in ratios {
-        for (i, parameter) in parameters.iter().enumerate() {
-            if !matches!(parameter.search, Search::Grid(..)) || parameter.default.is_some() {
-                continue;
-            }
+        for &i in indices {
             for factor in [ratio, 1.0 / ratio] {
-                // On, as long as it gets better.
                 for _ in 0..4 {
                     let mut candidate = best.candidate.clone();
                     candidate.effects[j].p[i] =
-                        (candidate.effects[j].p[i] * factor).clamp(parameter.min, parameter.max);
+                        (candidate.effects[j].p[i] * factor).clamp(parameters[i].min, parameters[i].max);
                     let others: Vec<Free> = best.free.iter().copied().filter(|f| *f != Free::Effect(j, i)).collect();
                     match problem.fit(&candidate, &others, Some(&best.initial), 2) {
                         Ok(fit) if fit.cost < best.cost - 0.5 => best = Fit { free: best.free.clone(), ..fit },
@@ -257,5 +283,5 @@ fn along_thresholds(problem: &Problem<'_>, mut best: Fit, j: usize) -> Fit {
             }
         }
     }
-    problem.fit(&best.candidate, &best.free, Some(&best.initial), 5).unwrap_or(best)
+    best
 }
