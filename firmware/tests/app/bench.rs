@@ -119,6 +119,8 @@ pub struct Bench {
     /// Ticks between the host's signs of life; 0: silent.
     pub keep_alive: u32,
     ticks: u32,
+    /// Frames that are expected to come damaged.
+    pub cut: u32,
 }
 
 pub fn settings() -> Settings {
@@ -194,6 +196,7 @@ impl Bench {
             samples: Vec::new(),
             keep_alive: 100,
             ticks: 0,
+            cut: 0,
         }
     }
 
@@ -279,6 +282,10 @@ impl Bench {
             let Some(message) = self.decoder.push(byte) else {
                 continue;
             };
+            if message.is_err() && self.cut > 0 {
+                self.cut -= 1;
+                continue;
+            }
             match Message::decode(message.expect("a whole frame")).expect("a message") {
                 Message::Reply { id, reply } => self.replies.push((id, reply)),
                 Message::Event(event) => self.events.push(event),

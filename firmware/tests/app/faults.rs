@@ -139,3 +139,13 @@ fn a_reset_during_a_run_is_a_fault() {
     assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::ResetWhileDriven));
     assert!(!again.world.0.borrow().enabled);
 }
+
+/// What a cut leaves of a frame at the host, bytes without their end, does not swallow the reply after it.
+#[test]
+fn a_reply_after_a_frame_that_was_cut_off_arrives() {
+    let mut bench = Bench::new();
+    bench.cut = 1;
+    bench.world.0.borrow_mut().from_board.extend([3, 1, 2]);
+    assert!(matches!(bench.command(Command::Status), Reply::Status(_)));
+    assert_eq!(bench.cut, 0);
+}

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use breakaway::command::run::papers_plant;
 use breakaway::command::virtual_board::settings;
+use breakaway::device::Client;
 use breakaway::device::virtual_board::{Fault, Machine, Options, VirtualBoard};
-use breakaway::device::{Client, DeviceError};
 use breakaway::model::Model;
 use breakaway_core::link::{
     BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Message, Mode, Reference, Relay,
@@ -125,15 +125,6 @@ impl Bench {
     pub fn fault(&mut self) -> Option<FaultRecord> {
         match self.client.request(Command::GetFault).unwrap() {
             Reply::Fault(fault) => fault,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    /// As [`Self::fault`], asked once more where nothing answers: what is under way when a cable is mended may be lost.
-    pub fn fault_over_a_mended_cable(&mut self) -> Option<FaultRecord> {
-        match self.client.request(Command::GetFault) {
-            Ok(Reply::Fault(fault)) => fault,
-            Err(DeviceError::Silent { .. }) => self.fault(),
             other => panic!("{other:?}"),
         }
     }

@@ -108,7 +108,7 @@ fn a_host_that_is_cut_off_in_mid_motion() {
     bench.board.inject(Fault::Healed);
     // It answers once what was asked before is done.
     assert!(bench.board.seen().is_some());
-    let record = bench.fault_over_a_mended_cable().expect("a fault");
+    let record = bench.fault().expect("a fault");
     assert_eq!((record.cause, record.value, record.limit), (FaultCause::LinkLost, 2000, 2000));
     assert!(record.tick.abs_diff(last_driven as u32) <= 2 && record.mode == Mode::Relay, "{record:?}, {last_driven}");
 }

@@ -11,7 +11,8 @@ const EVENTS: usize = 6;
 
 /// The frame being sent, and what comes after it: the reply first, then samples, then events.
 pub(super) struct Outbox {
-    frame: [u8; MAX_FRAME],
+    /// A zero in front: before a reply it ends what a link that was cut off has left of another frame at the host.
+    frame: [u8; 1 + MAX_FRAME],
     length: usize,
     sent: usize,
     reply: Option<(u16, Reply)>,
@@ -22,7 +23,7 @@ pub(super) struct Outbox {
 
 impl Outbox {
     pub(super) const fn new() -> Self {
-        Self { frame: [0; MAX_FRAME], length: 0, sent: 0, reply: None, events: Deque::new(), flushed: false }
+        Self { frame: [0; 1 + MAX_FRAME], length: 0, sent: 0, reply: None, events: Deque::new(), flushed: false }
     }
 
     pub(super) fn can_reply(&self) -> bool {
@@ -58,7 +59,9 @@ impl Outbox {
             stream.flush();
             self.flushed = true;
         }
+        let mut first = 1;
         let message = if let Some((id, reply)) = self.reply.take() {
+            first = 0;
             Message::Reply { id, reply }
         } else if let Some(batch) = stream.take() {
             Message::Samples(batch)
@@ -68,9 +71,10 @@ impl Outbox {
         } else {
             return;
         };
-        self.sent = 0;
+        let Some(frame) = self.frame.last_chunk_mut::<MAX_FRAME>() else { return };
+        self.sent = first;
         // Every message fits (tested in the core); one that did not would be left out.
-        self.length = encode(&message, &mut self.frame).unwrap_or(0);
+        self.length = encode(&message, frame).map_or(first, |length| 1 + length);
     }
 
     pub(super) fn send(&mut self, wire: &mut impl Wire) {
