@@ -30,11 +30,20 @@ struct Asked {
     seed: u64,
 }
 
+/// The seeds of `7`, or of `7..9`, its end left out.
+fn range(seeds: &str) -> Option<std::ops::Range<u64>> {
+    let Some((from, to)) = seeds.split_once("..") else {
+        let one = seeds.parse().ok()?;
+        return Some(one..one + 1);
+    };
+    Some(from.parse().ok()?..to.parse().ok()?).filter(|range| !range.is_empty())
+}
+
 fn asked() -> Vec<Asked> {
     let sizes = argument("--sizes").unwrap_or("10".into());
     let seeds = argument("--seeds").unwrap_or("1..3".into());
-    let (from, to) = seeds.split_once("..").unwrap_or((&seeds, &seeds));
-    let seeds: std::ops::Range<u64> = from.parse().unwrap_or(1)..to.parse().unwrap_or(2);
+    let seeds =
+        range(&seeds).unwrap_or_else(|| panic!("--seeds {seeds}: a seed, or a range like 1..3, its end left out"));
     let effects = argument("--effects").unwrap_or_else(|| CATALOGUE.join(","));
     let experiments = argument("--experiment").unwrap_or("suite".into());
     let pairs: usize = argument("--pairs").and_then(|n| n.parse().ok()).unwrap_or(0);

@@ -166,7 +166,10 @@ mod tests {
         let row = Row::parse(line).unwrap();
         assert_eq!(row.line(), line);
         assert!(row.wrong() && !row.right() && !row.wrong_but_tied());
-        assert!(Row { tied: vec!["cogging".into()], ..row }.wrong_but_tied());
+        assert!(Row { tied: vec!["cogging".into()], ..row.clone() }.wrong_but_tied());
+        // A name too much is wrong, whatever is tied with the others.
+        let more = Row { hidden: vec!["stribeck".into()], tied: vec!["stiction".into()], ..row };
+        assert!(more.wrong() && !more.wrong_but_tied());
         assert_eq!(Row::parse(HEADER), None);
     }
 }
