@@ -7,7 +7,7 @@ use super::*;
 const STEP: f64 = 1e-6;
 
 /// Every operation at a generic point. Central differences of step h are good to h² = 1e-12 of the third derivative
-/// and to rounding, 1e-16/h = 1e-10; both are scaled by values below 10.
+/// and to rounding, 1e-16/h = 1e-10; a gradient is in single precision, good to some of its steps of 6e-8.
 #[test]
 fn elementary_functions() {
     type Function<R> = fn(R, R) -> R;
@@ -38,7 +38,7 @@ fn elementary_functions() {
                 (plain(a, b + STEP) - plain(a, b - STEP)) / (2.0 * STEP),
             ];
             for (g, e) in found.gradient.iter().zip(expected) {
-                assert!((g - e).abs() < 1e-8, "{name} at {a}, {b}: {g} against {e}");
+                assert!((f64::from(*g) - e).abs() < 4e-7 * (1.0 + e.abs()), "{name} at {a}, {b}: {g} against {e}");
             }
         }
     }
@@ -77,7 +77,8 @@ fn motion<R: Real>(p: [R; 7]) -> Vec<R> {
 }
 
 /// One simulation with dual numbers gives what fourteen of them give by differences, through three reversals and a rest.
-/// Both differ by the differences' own error: 1e-6 of the largest derivative.
+/// They differ by the rounding of single precision, 6e-8 in each of some hundred operations that depend on one another: 1e-5 of the
+/// largest derivative.
 #[test]
 fn sensitivities_of_a_motion_with_reversals_and_stick() {
     let p = [0.02685, 0.11, 0.5, 0.3, -0.4, 0.2, 0.5];
@@ -93,11 +94,12 @@ fn sensitivities_of_a_motion_with_reversals_and_stick() {
             motion::<f64>(q)
         };
         let (above, below) = (moved(h), moved(-h));
-        let largest = dual.iter().map(|d| d.gradient[i].abs()).fold(0.0, f64::max);
+        let largest = dual.iter().map(|d| f64::from(d.gradient[i]).abs()).fold(0.0, f64::max);
         assert!(largest > 0.0);
         for (k, d) in dual.iter().enumerate() {
             let difference = (above[k] - below[k]) / (2.0 * h);
-            assert!((d.gradient[i] - difference).abs() < 1e-6 * largest, "{i} at {k}: {} {difference}", d.gradient[i]);
+            let found = f64::from(d.gradient[i]);
+            assert!((found - difference).abs() < 1e-5 * largest, "{i} at {k}: {found} {difference}");
         }
     }
 }
