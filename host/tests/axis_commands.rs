@@ -1,31 +1,12 @@
 //! `run`, `simulate`, `identify` and `effects` from outside: exit codes, the JSON documents of cli.md, the files they leave.
 
+mod support;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
-
-fn breakaway(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_breakaway")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).unwrap()
-}
-
-/// The JSON document of a run that must succeed.
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let run = breakaway(folder, &[arguments, &["--json"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{arguments:?}: {}", text(&run.stderr));
-    serde_json::from_slice(&run.stdout).unwrap()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    keys.sort_unstable();
-    keys
-}
+use support::{breakaway, json, keys, text};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))

@@ -1,37 +1,17 @@
 //! `tune` and `track` from outside: exit codes, JSON documents, files.
 
+mod support;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use breakaway::control::design::{Design, Request};
 use breakaway::model::Model;
 use proptest::prelude::*;
-use serde_json::Value;
+use support::{breakaway, json, keys, text};
 
 const BASE: &str = "[base]\nb = 0.02685\nc = 0.11\nf1 = 0.5\n[units]\nu = \"V\"\nx = \"rad\"\n";
 const COGGING: &str = "[[effect]]\nname = \"cogging\"\nA = 0.2\nn = 7.0\nphi = 0.5\n";
 const STICTION: &str = "[[effect]]\nname = \"stiction\"\ns = 0.05\n";
-
-fn breakaway(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_breakaway")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).unwrap()
-}
-
-fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let run = breakaway(folder, &[arguments, &["--json"]].concat());
-    assert_eq!(run.status.code(), Some(0), "{arguments:?}: {}", text(&run.stderr));
-    serde_json::from_slice(&run.stdout).unwrap()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    keys.sort_unstable();
-    keys
-}
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -182,6 +182,17 @@ proptest! {
     }
 }
 
+/// Found by the fuzzer: a key that ended in control characters became another key, one of the reader's own, in writing.
+#[test]
+fn control_characters_in_a_comment_are_blanks() {
+    let rows = "t,u,x\n0,1,0\n1,1,1\n2,-1,2\n3,1,4\n4,1,5\n5,-1,6\n6,1,8\n7,1,7\n";
+    let wrong = format!("# units\0\u{1}: rad\n{rows}");
+    let error = Recording::read_from("a.csv", wrong.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("such as `u=V, x=rad`"), "{error}");
+    let told = read(&format!("#\0motor\u{1}type\0:\0EC\u{7}45\0\n{rows}"), &ReadOptions::default());
+    assert_eq!(told.meta["motor type"], "EC 45");
+}
+
 #[test]
 fn a_recording_that_cannot_be_written_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();

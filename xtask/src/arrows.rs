@@ -46,14 +46,6 @@ const CRATES: [Order; 3] = [
     },
 ];
 
-/// Arrows that go backwards and are known: crate, from, to, and why it is still there.
-const KNOWN: [(&str, &str, &str, &str); 1] = [(
-    "firmware",
-    "board",
-    "app",
-    "`board/nucleo_g474re` names the type of its tick, which lives in a static beside the interrupt that calls it",
-)];
-
 const PAGE: &str = "docs/architecture.md";
 const START: &str = "<!-- drawn by `cargo xtask arrows` -->\n";
 const END: &str = "<!-- end of what is drawn -->\n";
@@ -67,7 +59,7 @@ pub fn draw() -> Result<()> {
     fs::write(&path, format!("{before}{START}{}{END}{after}", drawing()?))?;
     let new = backward()?;
     ensure!(new.is_empty(), "these arrows go backwards:\n{}", new.join("\n"));
-    println!("{PAGE} is drawn; no arrow goes backwards but those that it lists");
+    println!("{PAGE} is drawn; no arrow goes backwards");
     Ok(())
 }
 
@@ -91,10 +83,6 @@ fn drawing() -> Result<String> {
                 arrows.keys().filter(|arrow| arrow.0 == *room).map(|arrow| arrow.1.as_str()).collect();
             let _ = writeln!(text, "| `{room}` | {} |", if uses.is_empty() { "–".to_owned() } else { uses.join(", ") });
         }
-    }
-    let _ = writeln!(text, "\n### Arrows that go backwards\n\n| crate | arrow | why it is there |\n|---|---|---|");
-    for (name, from, to, why) in KNOWN {
-        let _ = writeln!(text, "| {name} | {from} → {to} | {why} |");
     }
     text.push('\n');
     Ok(text)
@@ -136,20 +124,13 @@ fn is_backward(order: &Order, from: &str, to: &str) -> bool {
     place(from) < place(to)
 }
 
-/// Arrows that go backwards and are not known, and known ones that are gone.
+/// Arrows that go backwards.
 fn backward() -> Result<Vec<String>> {
     let mut wrong = Vec::new();
     for order in &CRATES {
-        let arrows = of(order)?;
-        let known = |from: &str, to: &str| KNOWN.iter().any(|k| (k.0, k.1, k.2) == (order.name, from, to));
-        for ((from, to), files) in &arrows {
-            if is_backward(order, from, to) && !known(from, to) {
+        for ((from, to), files) in &of(order)? {
+            if is_backward(order, from, to) {
                 wrong.push(format!("{}: {from} → {to} in {}", order.name, files.join(", ")));
-            }
-        }
-        for (_, from, to, _) in KNOWN.iter().filter(|known| known.0 == order.name) {
-            if !arrows.contains_key(&((*from).to_owned(), (*to).to_owned())) {
-                wrong.push(format!("{}: {from} → {to} is gone: take it off the list of known ones", order.name));
             }
         }
     }
@@ -161,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_new_arrow_goes_backwards() {
+    fn no_arrow_goes_backwards() {
         let wrong = backward().unwrap();
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     }

@@ -41,7 +41,7 @@ enum Task {
     Fuzz {
         /// Inputs: recording, model, controller, experiment, frame, command, flash; all of them where none is named
         targets: Vec<String>,
-        /// Time for each
+        /// Processor time for each, s
         #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
         seconds: u64,
     },

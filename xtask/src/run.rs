@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::report::Counts;
 
@@ -93,6 +93,18 @@ pub fn answer(command: &mut Command) -> Option<String> {
     output.status.success().then_some(text)
 }
 
+/// Processor time of the commands that have ended, and of theirs, s (proc_pid_stat(5): `cutime` and `cstime`).
+pub fn processor_time_s() -> Result<f64> {
+    /// `sysconf(_SC_CLK_TCK)`, which Linux keeps at 100 for whoever reads /proc.
+    const TICKS_PER_S: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").context("processor time is read from Linux's /proc")?;
+    // The program's name is in brackets, and may hold blanks; the state, which is field 3, comes after it.
+    let fields = stat.rsplit_once(')').map_or("", |(_, after)| after).split_whitespace();
+    let ticks: Vec<f64> = fields.skip(16 - 3).take(2).filter_map(|field| field.parse().ok()).collect();
+    ensure!(ticks.len() == 2, "/proc/self/stat: {stat}");
+    Ok(ticks.iter().sum::<f64>() / TICKS_PER_S)
+}
+
 fn relay(pipe: impl Read, mut to: impl Write) -> Counts {
     let mut counts = Counts::default();
     let mut pipe = BufReader::new(pipe);
@@ -122,4 +134,18 @@ fn announce(command: &mut Command) -> String {
     let line = words.join(" ");
     println!("$ {line}");
     line
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// A shell that counts to a hundred thousand takes some time, and it is counted once it has ended.
+    #[test]
+    fn the_time_of_a_command_is_counted() {
+        let before = processor_time_s().unwrap();
+        run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 100000 ]; do i=$((i+1)); done"])).unwrap();
+        let taken = processor_time_s().unwrap() - before;
+        assert!(taken >= 0.01, "{taken} s");
+    }
 }

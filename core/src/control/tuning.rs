@@ -94,17 +94,18 @@ fn gains_at(b: f64, c: f64, w: f64) -> Gains {
 
 /// The largest bandwidth that [`tune`] accepts, Hz; 0 for a plant or tick that is none.
 pub fn largest_bandwidth_hz(b: f64, c: f64, tick_s: f64, delay_ticks: u32) -> f64 {
-    let allowed = |w: f64| acceptable(&gains_at(b, c, w), b, c, tick_s, delay_ticks);
+    // In Hz, as `tune` has it: what is found is accepted to the last bit.
+    let allowed = |hz: f64| acceptable(&gains_at(b, c, core::f64::consts::TAU * hz), b, c, tick_s, delay_ticks);
     let mut low = 0.0;
-    let mut high = largest_rate(tick_s, delay_ticks);
-    if !(high.is_finite() && b > 0.0 && c >= 0.0 && b.is_finite() && c.is_finite()) {
+    let mut high = largest_rate(tick_s, delay_ticks) / core::f64::consts::TAU;
+    if !(high.is_finite() && high > 0.0 && b > 0.0 && c >= 0.0 && b.is_finite() && c.is_finite()) {
         return 0.0;
     }
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if allowed(middle) { low = middle } else { high = middle }
     }
-    low / core::f64::consts::TAU
+    low
 }
 
 /// Within the rate's limit, and with 30° of phase and a factor of two of gain in hand.

@@ -11,17 +11,14 @@ mod image {
     use breakaway_firmware::app::{
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
     };
-    use breakaway_firmware::board::mps2_an386::{Next, SimulatedFlash, Virtual};
+    use breakaway_firmware::board::mps2_an386::{Meter, Next, SimulatedFlash, Virtual};
     use breakaway_firmware::board::{Board, Encoder, Retained, Wire, routines};
     use breakaway_firmware::storage::FlashStore;
-    use cortex_m::peripheral::syst::SystClkSource;
-    use cortex_m::peripheral::{Peripherals, SYST};
+    use cortex_m::peripheral::Peripherals;
     use cortex_m_rt::entry;
     use cortex_m_semihosting::{debug, hprintln};
 
     const TICK_HZ: u32 = 1000;
-    /// The counter's 24 bits.
-    const RELOAD: u32 = 0x00ff_ffff;
     /// What unused stack is filled with.
     const PAINT: u32 = 0xa5a5_a5a5;
 
@@ -48,46 +45,6 @@ mod image {
         fn write(&mut self, bytes: &[u8]) -> usize {
             bytes.len()
         }
-    }
-
-    /// SysTick counts while instructions are executed; `per_instruction_q8` from a stretch of known length.
-    struct Meter {
-        per_instruction_q8: u32,
-        overhead: u32,
-    }
-
-    impl Meter {
-        fn new(mut systick: SYST) -> Self {
-            systick.set_clock_source(SystClkSource::Core);
-            systick.set_reload(RELOAD);
-            systick.clear_current();
-            systick.enable_counter();
-            let mut meter = Self { per_instruction_q8: 256, overhead: 0 };
-            let none = Self::counts(|| {});
-            let many = Self::counts(|| nops());
-            meter.per_instruction_q8 = (many - none) * 256 / 202;
-            meter.overhead = none;
-            meter
-        }
-
-        fn counts(work: impl FnOnce()) -> u32 {
-            let before = SYST::get_current();
-            work();
-            let after = SYST::get_current();
-            before.wrapping_sub(after) & RELOAD
-        }
-
-        fn instructions(&self, work: impl FnOnce()) -> u32 {
-            let counts = Self::counts(work).saturating_sub(self.overhead);
-            (counts * 256 + self.per_instruction_q8 / 2) / self.per_instruction_q8
-        }
-    }
-
-    /// 200 instructions beside the call and the return. A function of its own: the compiler would take the repetition for
-    /// one line, and misplace constants beside it.
-    #[unsafe(naked)]
-    extern "C" fn nops() {
-        core::arch::naked_asm!(".rept 200", "nop", ".endr", "bx lr")
     }
 
     /// A plant in integers: an inertia with Coulomb friction, enough for a limit cycle.

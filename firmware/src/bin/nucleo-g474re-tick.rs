@@ -4,11 +4,12 @@
 
 #[cfg(target_os = "none")]
 mod image {
-    use breakaway_firmware::board::nucleo_g474re::BoardTick;
+    use breakaway_firmware::app::{Tick, TrackController};
+    use breakaway_firmware::board::nucleo_g474re::Nucleo;
 
     /// Entered by nobody: the file is linked, not run.
     #[unsafe(no_mangle)]
-    pub extern "C" fn nucleo_tick(tick: &mut BoardTick) {
+    pub extern "C" fn nucleo_tick(tick: &mut Tick<'static, 'static, Nucleo, TrackController>) {
         tick.tick();
     }
 

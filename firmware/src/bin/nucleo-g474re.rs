@@ -9,7 +9,7 @@ mod image {
     };
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::nucleo_g474re::{
-        BoardTick, Parts, RetainedRam, Serial, SettingsFlash, acknowledge_ecc, on_tick, open_all_switches, start,
+        Nucleo, Parts, RetainedRam, Serial, SettingsFlash, TickSlot, acknowledge_ecc, open_all_switches, start,
     };
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::asm::wfi;
@@ -20,7 +20,10 @@ mod image {
     use embassy_stm32::interrupt;
 
     type BoardApp = App<'static, 'static, TrackController, Serial, FlashStore<SettingsFlash>>;
+    type BoardTick = Tick<'static, 'static, Nucleo, TrackController>;
     type BoardChannels = Channels<'static, <TrackController as Controller>::Plan>;
+
+    static TICK: TickSlot<BoardTick> = TickSlot::empty();
 
     #[entry]
     fn main() -> ! {
@@ -47,7 +50,7 @@ mod image {
         let (Some(tick), Some(app)) = (singleton!(: BoardTick = tick), singleton!(: BoardApp = app)) else {
             panic!("started twice");
         };
-        ticks.run(tick);
+        ticks.run(&TICK, tick);
         defmt::info!("ticking");
         loop {
             let wish = app.poll();
@@ -61,7 +64,7 @@ mod image {
 
     #[interrupt]
     fn TIM6_DAC() {
-        on_tick();
+        TICK.on_interrupt(BoardTick::tick);
     }
 
     /// Switches off, then resets.

@@ -9,10 +9,8 @@ mod image {
     use breakaway_core::control::{Pid, PidState, Setpoint, tune};
     use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
     use breakaway_core::excite::relay::{DualRelay, DualRelayState};
-    // The board's start-up code.
-    use breakaway_firmware as _;
-    use cortex_m::peripheral::syst::SystClkSource;
-    use cortex_m::peripheral::{Peripherals, SYST};
+    use breakaway_firmware::board::mps2_an386::Meter;
+    use cortex_m::peripheral::Peripherals;
     use cortex_m_rt::entry;
     use cortex_m_semihosting::{debug, hprintln};
     use dsp_process::SplitProcess;
@@ -22,18 +20,9 @@ mod image {
     const TICK_S: f64 = 1e-3;
     /// Calls per figure.
     const CALLS: u32 = 2000;
-    const RELOAD: u32 = 0x00ff_ffff;
-
-    fn counts(work: impl FnOnce()) -> u32 {
-        let before = SYST::get_current();
-        work();
-        let after = SYST::get_current();
-        before.wrapping_sub(after) & RELOAD
-    }
-
     /// Prints the mean instructions of `call` in tenths, less what calling an empty function costs. The input is an error
     /// that swings, so that branches are taken both ways.
-    fn measure(name: &str, per_instruction_q8: u32, mut call: impl FnMut(i32)) {
+    fn measure(name: &str, meter: &Meter, mut call: impl FnMut(i32)) {
         let mut total = 0_u64;
         let mut wave = (0_i32, 40_i32);
         for _ in 0..CALLS {
@@ -41,11 +30,11 @@ mod image {
             wave.0 += wave.1 / 20 + wave.1.signum();
             wave.1 -= wave.0 / 20 + wave.0.signum();
             let input = black_box(wave.0);
-            total += u64::from(counts(|| call(input)));
+            total += u64::from(Meter::counts(|| call(input)));
         }
-        let empty = u64::from(counts(|| empty(black_box(1)))) * u64::from(CALLS);
-        let spent = total.saturating_sub(empty) * 256 / u64::from(per_instruction_q8);
-        hprintln!("{} = {}", name, spent * 10 / u64::from(CALLS));
+        let empty = u64::from(Meter::counts(|| empty(black_box(1)))) * u64::from(CALLS);
+        let tenths = meter.instructions_of(total.saturating_sub(empty), 10) / u64::from(CALLS);
+        hprintln!("{} = {}", name, tenths);
     }
 
     #[inline(never)]
@@ -101,18 +90,7 @@ mod image {
         let Some(peripherals) = Peripherals::take() else {
             panic!("taken twice");
         };
-        let mut systick = peripherals.SYST;
-        systick.set_clock_source(SystClkSource::Core);
-        systick.set_reload(RELOAD);
-        systick.clear_current();
-        systick.enable_counter();
-        let none = counts(|| {});
-        let many = counts(|| {
-            // SAFETY: instructions that do nothing.
-            unsafe { core::arch::asm!(".rept 200", "nop", ".endr") }
-        });
-        let unit = (many - none) * 256 / 200;
-
+        let meter = Meter::new(peripherals.SYST);
         let (Ok(law), Ok(sine), Ok(gains)) =
             (DualRelay::new(12_000, 9_000, 1), StreamingSine::new(9.0, TICK_S), tune(0.027, 0.11, 10.0, TICK_S, 1))
         else {
@@ -122,32 +100,32 @@ mod image {
             panic!("valid");
         };
         let mut state = DualRelayState::default();
-        measure("relay", unit, |e| {
+        measure("relay", &meter, |e| {
             black_box(relay(&law, &mut state, e));
         });
         let mut accumulators: BlockSums<i32, 32> = BlockSums::new();
-        measure("sine_sums", unit, |e| sums(&sine, &mut accumulators, e));
+        measure("sine_sums", &meter, |e| sums(&sine, &mut accumulators, e));
         let (mut state, mut accumulators) = (DualRelayState::default(), BlockSums::new());
-        measure("relay_and_sums", unit, |e| {
+        measure("relay_and_sums", &meter, |e| {
             black_box(relay(&law, &mut state, e));
             sums(&sine, &mut accumulators, e);
         });
         let mut state = PidState::default();
-        measure("pid", unit, |e| {
+        measure("pid", &meter, |e| {
             black_box(ours(&pid_law, &mut state, 0.0, e as f32 * 1e-3));
         });
         let mut plain = ThreeTerms { a: [12.0, -20.0, 9.0], state: [0.0; 3] };
-        measure("cmsis_pid", unit, |e| {
+        measure("cmsis_pid", &meter, |e| {
             black_box(three_terms(&mut plain, e as f32 * 1e-3));
         });
         let settings = pid::Pid::<f32>::default().kp(2.0).ki(20.0).kd(0.05).limit_d(20.0).output_limits(-5.0, 5.0);
         let filter: BiquadClamp<f32> = settings.build(&pid::Units { t: TICK_S as f32, x: 1.0, y: 1.0 });
         let mut state = DirectForm1::default();
-        measure("idsp_pid_df1", unit, |e| {
+        measure("idsp_pid_df1", &meter, |e| {
             black_box(biquad_1(&filter, &mut state, e as f32 * 1e-3));
         });
         let mut state = DirectForm2Transposed::default();
-        measure("idsp_pid_df2t", unit, |e| {
+        measure("idsp_pid_df2t", &meter, |e| {
             black_box(biquad_2(&filter, &mut state, e as f32 * 1e-3));
         });
         debug::exit(debug::EXIT_SUCCESS);

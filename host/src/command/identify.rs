@@ -12,6 +12,7 @@ use super::recording_args::RecordingArgs;
 use crate::identify::estimate::{self, Estimate, Identified, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::{Recording, Units};
+use crate::report::json::Quantity;
 
 /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
 #[derive(clap::Args, Debug)]
@@ -30,14 +31,6 @@ pub struct Args {
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
-}
-
-/// A number with error and unit.
-#[derive(Debug, Serialize)]
-struct Quantity {
-    value: f64,
-    se: f64,
-    unit: String,
 }
 
 #[derive(Debug, Serialize)]

@@ -93,7 +93,7 @@ struct Document {
     settle_s: f64,
     runs: Vec<Row>,
     improvement: f64,
-    units: UnitsRow,
+    units: Units,
 }
 
 #[derive(Debug, Serialize)]
@@ -153,12 +153,6 @@ struct Followed<'a> {
     measured: bool,
     units: &'a Units,
     bench: Bench,
-}
-
-#[derive(Debug, Serialize)]
-struct UnitsRow {
-    u: String,
-    x: String,
 }
 
 impl Args {
@@ -230,7 +224,7 @@ impl Args {
             settle_s: course.settle,
             improvement: cases[0].tracked.rms() / compensated,
             runs: rows,
-            units: UnitsRow { u: units.u.clone(), x: units.x.clone() },
+            units: units.clone(),
             reference,
         };
         output.print(&document, |document| table(document, cases, units))

@@ -93,7 +93,7 @@ struct Document {
     delay_ticks: u32,
     compensator: CompensatorRow,
     adaptive: AdaptiveRow,
-    units: UnitsRow,
+    units: Units,
 }
 
 #[derive(Debug, Serialize)]
@@ -146,12 +146,6 @@ struct AdaptiveRow {
     sigma: f64,
     delta: f64,
     b_min: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct UnitsRow {
-    u: String,
-    x: String,
 }
 
 impl Args {
@@ -215,7 +209,7 @@ fn document(design: &Design) -> anyhow::Result<Document> {
             delta: a.delta,
             b_min: a.b_min,
         },
-        units: UnitsRow { u: design.model.units.u.clone(), x: design.model.units.x.clone() },
+        units: design.model.units.clone(),
     })
 }
 

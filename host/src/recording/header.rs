@@ -20,11 +20,13 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Takes one comment line, without its `#`. A line without a colon is a remark and is passed over.
+    /// Takes one comment line, without its `#`. A line without a colon is a remark and is passed over. Control characters
+    /// are blanks, as in what is written: else a key would be another one after writing.
     pub(super) fn take(&mut self, file: &str, line: u64, text: &str) -> Result<(), RecordingError> {
         let Some((key, value)) = text.split_once(':') else {
             return Ok(());
         };
+        let (key, value) = (one_line(key), one_line(value));
         let (key, value) = (key.trim(), value.trim());
         let wrong = |expected| RecordingError::HeaderValue {
             file: file.to_owned(),
@@ -61,6 +63,11 @@ impl Header {
         }
         Ok(())
     }
+}
+
+/// Text that can stand in one comment line.
+pub(super) fn one_line(text: &str) -> String {
+    text.replace(char::is_control, " ")
 }
 
 /// The number in `0.001 s`: positive and finite, its unit ignored.

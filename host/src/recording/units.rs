@@ -1,9 +1,11 @@
 //! Units of the columns, as far as a file tells them.
 
+use serde::Serialize;
+
 use super::header::Header;
 
 /// Units of the drive and of the position, as the user calls them.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Units {
     /// Drive unit, e.g. `V` or `A`; `u` where it is not known.
     pub u: String,

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::header::one_line;
 use super::{Recording, RecordingError};
 use crate::file::write_whole;
 
@@ -60,10 +61,6 @@ fn decimal(tick_s: f64) -> f64 {
 
 fn invalid(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
-}
-
-fn one_line(text: &str) -> String {
-    text.replace(char::is_control, " ")
 }
 
 /// A unit as the `units` line can hold it.

@@ -26,11 +26,12 @@ pub struct Document<'a> {
     provenance: ProvenanceJson<'a>,
 }
 
+/// A number with its standard error and unit.
 #[derive(Debug, Serialize)]
-struct Quantity {
-    value: f64,
-    se: f64,
-    unit: String,
+pub(crate) struct Quantity {
+    pub value: f64,
+    pub se: f64,
+    pub unit: String,
 }
 
 #[derive(Debug, Serialize)]

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
 use crate::cross::{self, target_folder};
 use crate::run::{answer, cargo, root, run};
@@ -57,29 +57,42 @@ struct Bench {
     programs: PathBuf,
 }
 
-/// Runs the parts (all, if none is given) and writes the page, if every part has been run.
+/// Runs the parts (all, if none is given) and writes the page, if every part has been run, now or before.
 pub fn run_parts(parts: &[Part]) -> Result<()> {
     let parts = if parts.is_empty() { PARTS.as_slice() } else { parts };
     let folder = target_folder().join("peers");
     fs::create_dir_all(&folder)?;
-    let python = fleet::environment(&target_folder().join("peers-venv"), &root().join("bench/peers/requirements.txt"))?;
-    run(&mut cargo(["build", "--release", "--package", "breakaway-bench", "--package", "breakaway-hidden", "--bins"]))?;
-    run(&mut cargo(["build", "--release", "--package", "breakaway-tests", "--example", "blind"]))?;
-    let bench = Bench { python, folder, programs: target_folder().join("release") };
-    for part in parts {
-        println!("\n==> {}", part.name());
-        match part {
-            Part::Discovery => bench.discovery()?,
-            Part::Sine => bench.sine()?,
-            Part::Friction => bench.friction()?,
-            Part::Simulate => bench.simulate()?,
-            Part::Instructions => bench.instructions()?,
+    let (counted, timed): (Vec<Part>, Vec<Part>) = parts.iter().partition(|part| **part == Part::Instructions);
+    if !timed.is_empty() {
+        let bench = Bench::new(folder.clone())?;
+        for part in timed {
+            println!("\n==> {}", part.name());
+            match part {
+                Part::Discovery => bench.discovery()?,
+                Part::Sine => bench.sine()?,
+                Part::Friction => bench.friction()?,
+                Part::Simulate => bench.simulate()?,
+                Part::Instructions => {}
+            }
         }
     }
-    bench.page()
+    if !counted.is_empty() {
+        println!("\n==> {}", Part::Instructions.name());
+        instructions(&folder)?;
+    }
+    page(&folder)
 }
 
 impl Bench {
+    /// The peers' Python environment and our programs.
+    fn new(folder: PathBuf) -> Result<Self> {
+        let requirements = root().join("bench/peers/requirements.txt");
+        let python = fleet::environment(&target_folder().join("peers-venv"), &requirements)?;
+        run(&mut cargo(["build", "--release", "-p", "breakaway-bench", "-p", "breakaway-hidden", "--bins"]))?;
+        run(&mut cargo(["build", "--release", "-p", "breakaway-tests", "--example", "blind"]))?;
+        Ok(Self { python, folder, programs: target_folder().join("release") })
+    }
+
     /// One of our programs, on one core.
     fn ours(&self, name: &str) -> Command {
         let mut command = Command::new(self.programs.join(name));
@@ -127,52 +140,54 @@ impl Bench {
     fn simulate(&self) -> Result<()> {
         run(self.ours("simulate").arg(&self.folder).arg(&self.python))
     }
+}
 
-    fn instructions(&self) -> Result<()> {
-        crate::image::qemu()?;
-        let toolchain = cross::install()?;
-        cross::build(toolchain, &cross::PEERS)?;
-        let counted = budget::run(&cross::binary(&cross::PEERS, "peers"))?;
-        let rows = [
-            ("relay", "Breakaway, dual relay on counts (i32)"),
-            ("sine_sums", "Breakaway, block phasors of the streaming sine fit (i32)"),
-            ("relay_and_sums", "Breakaway, relay and block phasors"),
-            ("pid", "Breakaway, PID: filtered derivative, saturation, integral frozen by it (f32)"),
-            ("cmsis_pid", "CMSIS-DSP's `arm_pid_f32`, from its documentation: three terms, no limits (f32)"),
-            ("idsp_pid_df1", "idsp 0.23, PID as clamped biquad, direct form 1 (f32)"),
-            ("idsp_pid_df2t", "idsp 0.23, the same, direct form 2 transposed (f32)"),
-        ];
-        let ours = counted.get("pid").copied().context("the image counted no PID")?;
-        let mut text = String::from("| call | instructions | over our PID |\n|---|---|---|\n");
-        for (key, title) in rows {
-            let tenths = counted.get(key).with_context(|| format!("the image counted no {key}"))?;
-            let ratio = *tenths as f64 / ours as f64;
-            writeln!(text, "| {title} | {:.1} | {ratio:.2} |", *tenths as f64 / 10.0)?;
-        }
-        println!("{text}");
-        fs::write(self.folder.join("instructions.md"), text)?;
-        Ok(())
+/// Counts on the virtual core: neither Python nor our programs are needed.
+fn instructions(folder: &Path) -> Result<()> {
+    crate::image::qemu()?;
+    let toolchain = cross::install()?;
+    cross::build(toolchain, &cross::PEERS)?;
+    let counted = budget::run(&cross::binary(&cross::PEERS, "peers"))?;
+    let rows = [
+        ("relay", "Breakaway, dual relay on counts (i32)"),
+        ("sine_sums", "Breakaway, block phasors of the streaming sine fit (i32)"),
+        ("relay_and_sums", "Breakaway, relay and block phasors"),
+        ("pid", "Breakaway, PID: filtered derivative, saturation, integral frozen by it (f32)"),
+        ("cmsis_pid", "CMSIS-DSP's `arm_pid_f32`, from its documentation: three terms, no limits (f32)"),
+        ("idsp_pid_df1", "idsp 0.23, PID as clamped biquad, direct form 1 (f32)"),
+        ("idsp_pid_df2t", "idsp 0.23, the same, direct form 2 transposed (f32)"),
+    ];
+    let ours = counted.get("pid").copied().context("the image counted no PID")?;
+    let mut text = String::from("| call | instructions | over our PID |\n|---|---|---|\n");
+    for (key, title) in rows {
+        let tenths = counted.get(key).with_context(|| format!("the image counted no {key}"))?;
+        let ratio = *tenths as f64 / ours as f64;
+        writeln!(text, "| {title} | {:.1} | {ratio:.2} |", *tenths as f64 / 10.0)?;
     }
+    println!("{text}");
+    fs::write(folder.join("instructions.md"), text)?;
+    Ok(())
+}
 
-    /// The page, if every part has left its table.
-    fn page(&self) -> Result<()> {
-        let mut page = fs::read_to_string(root().join(TEMPLATE)).context(TEMPLATE)?;
-        let mut missing = Vec::new();
-        for part in PARTS {
-            match fs::read_to_string(self.folder.join(part.name()).with_extension("md")) {
-                Ok(table) => page = page.replace(&format!("{{{{{}}}}}", part.name()), table.trim_end()),
-                Err(_) => missing.push(part.name()),
-            }
+/// The page, if every part has left its table.
+fn page(folder: &Path) -> Result<()> {
+    let mut page = fs::read_to_string(root().join(TEMPLATE)).context(TEMPLATE)?;
+    let mut missing = Vec::new();
+    for part in PARTS {
+        match fs::read_to_string(folder.join(part.name()).with_extension("md")) {
+            Ok(table) => page = page.replace(&format!("{{{{{}}}}}", part.name()), table.trim_end()),
+            Err(_) => missing.push(part.name()),
         }
-        if !missing.is_empty() {
-            bail!("{PAGE} is not written: {} has not been run", missing.join(", "));
-        }
-        let date = answer(Command::new("date").args(["-u", "+%Y-%m-%d"])).context("date")?;
-        page = page.replace("{{date}}", &date).replace("{{machine}}", &machine());
-        fs::write(root().join(PAGE), page).context(PAGE)?;
-        println!("{PAGE} is written");
-        Ok(())
     }
+    if !missing.is_empty() {
+        println!("{PAGE} stays as it is: not run yet: {}", missing.join(", "));
+        return Ok(());
+    }
+    let date = answer(Command::new("date").args(["-u", "+%Y-%m-%d"])).context("date")?;
+    page = page.replace("{{date}}", &date).replace("{{machine}}", &machine());
+    fs::write(root().join(PAGE), page).context(PAGE)?;
+    println!("{PAGE} is written");
+    Ok(())
 }
 
 /// The processor's own name, and the compiler.

@@ -84,3 +84,54 @@ fn the_integral_rests() {
     pid.learn(&mut state, false);
     assert_eq!(state.integral, -0.9e-3);
 }
+
+/// A drive's limit is positive; one tick of delay allows Kv + Λ2 = 400 1/s at 1 ms, two 267 1/s.
+#[test]
+fn a_limit_that_is_none_and_a_rate_past_the_delay_are_refused() {
+    let gains = Gains { b: 2.0, kv: 300.0, lambda1: 50.0, lambda2: 100.0, filter_s: 0.0 };
+    for limit in [0.0, -1.0, f64::NAN] {
+        assert_eq!(Pid::<f64>::new(&gains, 1e-3, limit).err(), Some(TuningError::Limit));
+    }
+    assert_eq!(Pid::<f64>::new(&gains, 1e-3, 3.0).unwrap().limit(), 3.0);
+    let Err(TuningError::Rate { largest_per_s }) = Pid::<f64>::with_delay(&gains, 1e-3, 2, 3.0) else { panic!() };
+    assert!((largest_per_s - 800.0 / 3.0).abs() < 1e-9, "{largest_per_s}");
+}
+
+/// After a step of e the filtered difference decays by τ/(τ + Ts) per tick; it alone makes the drive's third term.
+#[test]
+fn the_difference_is_filtered_by_its_time_constant() {
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 0.0, lambda2: 10.0, filter_s: 3e-3 };
+    let pid = Pid::<f64>::new(&gains, 1e-3, 1e9).unwrap();
+    let mut state = PidState::default();
+    let at = |x: f64| Setpoint { x, v: 0.0, a: 0.0 };
+    assert_eq!(pid.drive(&mut state, at(0.0), 0.0), 0.0);
+    for n in 0..20 {
+        let rate = 0.25 * libm::pow(0.75, f64::from(n)) / 1e-3;
+        let u = pid.drive(&mut state, at(0.5), 0.0);
+        assert!((u - 60.0 * (10.0 * 0.5 + 0.5 * rate)).abs() < 1e-9, "{n}: {u}");
+    }
+}
+
+/// The band counts where the reference neither moves nor is about to, its edge included; beyond it the integral goes on.
+#[test]
+fn the_rest_band_is_of_a_reference_at_rest() {
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0 };
+    let pid = Pid::<f64>::new(&gains, 1e-3, 12.0).unwrap();
+    let integral = |pid: &Pid<f64>, v: f64, a: f64, e: f64| {
+        let mut state = PidState::default();
+        pid.drive(&mut state, Setpoint { x: e, v, a }, 0.0);
+        pid.learn(&mut state, false);
+        state.integral
+    };
+    let banded = pid.with_rest_band(0.25);
+    for e in [0.25, -0.25] {
+        assert_eq!(integral(&banded, 0.0, 0.0, e), 0.0);
+        assert_eq!(integral(&banded, 0.0, 1.0, e), e);
+        assert_eq!(integral(&banded, 1.0, 0.0, e), e);
+        assert_eq!(integral(&banded, 0.0, 0.0, 2.0 * e), 2.0 * e);
+        // No band, and one that is none, is the point itself.
+        assert_eq!(integral(&pid, 0.0, 0.0, e), e);
+        assert_eq!(integral(&pid.with_rest_band(-1.0), 0.0, 0.0, e), e);
+    }
+    assert_eq!(integral(&pid.with_rest_band(-1.0), 0.0, 0.0, 0.0), 0.0);
+}

@@ -50,6 +50,102 @@ fn wrong_parameters_are_named() {
     }
 }
 
+/// One zero at ωc/4, the other on the plant's pole within ωc/4..4ωc, |L(jωc)| = 1, the filter an eighth of 1/ωc: without
+/// damping, with the pole at ωc, with a hundred times that.
+#[test]
+fn gains_are_those_of_the_design() {
+    let w = core::f64::consts::TAU;
+    let seventeen = libm::sqrt(17.0);
+    for (pole, kv, lambda1, lambda2) in [
+        (0.0, 16.0 / 17.0, 1.0 / 16.0, 0.5),
+        (1.0, 4.0 / seventeen, 0.25, 1.25),
+        (100.0, 4.0 * libm::sqrt(10_001.0) / 17.0, 1.0, 4.25),
+    ] {
+        let gains = tune(2.0, 2.0 * pole * w, 1.0, 1e-3, 1).unwrap();
+        assert_eq!(gains.b, 2.0);
+        let found = [gains.kv / w, gains.lambda1 / (w * w), gains.lambda2 / w, gains.filter_s * w];
+        for (found, wanted) in found.into_iter().zip([kv, lambda1, lambda2, 0.125]) {
+            assert!((found / wanted - 1.0).abs() < 1e-12, "{pole}: {found} {wanted}");
+        }
+    }
+}
+
+/// At the largest bandwidth one of the three limits is reached and none is passed.
+#[test]
+fn the_largest_bandwidth_is_where_a_limit_is_reached() {
+    for (b, c, d) in [(1.0, 0.0, 0), (1.0, 0.0, 1), (1.0, 0.0, 3), (1.0, 200.0, 0), (1.0, 200.0, 1)] {
+        let hz = largest_bandwidth_hz(b, c, 1e-3, d);
+        let gains = tune(b, c, hz, 1e-3, d).unwrap();
+        let found = margins(&gains, b, c, 1e-3, d).unwrap();
+        let rate = (gains.kv + gains.lambda2) / largest_rate(1e-3, d);
+        let in_hand = [1.0 - rate, found.phase_deg / 30.0 - 1.0, found.gain / 2.0 - 1.0];
+        std::println!("{b} {c} {d}: {hz} Hz, {in_hand:?}");
+        assert!(in_hand.iter().all(|part| *part > -2e-6), "{in_hand:?}");
+        assert!(in_hand.iter().any(|part| *part < 1e-4), "{in_hand:?}");
+    }
+    // A pole at 20 times the tick's rate: Kv is past the limit at any bandwidth.
+    assert_eq!(largest_bandwidth_hz(1.0, 2e4, 1e-3, 0), 0.0);
+    assert_eq!(tune(1.0, 2e4, 1e-3, 1e-3, 0), Err(TuningError::Bandwidth { largest_hz: 0.0 }));
+}
+
+/// (Kv + Λ2)·Ts ≤ 0.8/(1 + d): inversely as the tick, and as the ticks from reading to drive.
+#[test]
+fn the_largest_rate_is_that_of_tick_and_delay() {
+    for (tick_s, d, wanted) in [(1e-3, 0, 800.0), (1e-3, 1, 400.0), (1e-3, 3, 200.0), (2e-3, 1, 200.0)] {
+        assert!((largest_rate(tick_s, d) - wanted).abs() < 1e-9);
+        let gains = Gains { b: 1.0, kv: 0.75 * wanted, lambda1: 0.0, lambda2: 0.25 * wanted, filter_s: 0.0 };
+        assert_eq!(gains.check(tick_s, d), Ok(()));
+        let Err(TuningError::Rate { largest_per_s }) = Gains { kv: 0.76 * wanted, ..gains }.check(tick_s, d) else {
+            panic!()
+        };
+        assert!((largest_per_s - wanted).abs() < 1e-9);
+    }
+}
+
+/// Every gain by itself: what is not finite or negative, and a Kv or a Λ2 of 0, are refused; a Λ1 or a filter of 0 is not.
+#[test]
+fn every_gain_is_checked() {
+    let good = Gains { b: 1.0, kv: 10.0, lambda1: 0.0, lambda2: 10.0, filter_s: 0.0 };
+    assert_eq!(good.check(1e-3, 1), Ok(()));
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        for gains in [
+            Gains { kv: bad, ..good },
+            Gains { lambda1: bad, ..good },
+            Gains { lambda2: bad, ..good },
+            Gains { filter_s: bad, ..good },
+        ] {
+            assert_eq!(gains.check(1e-3, 1), Err(TuningError::Gain), "{gains:?}");
+        }
+        assert_eq!(Gains { b: bad, ..good }.check(1e-3, 1), Err(TuningError::B));
+        assert_eq!(good.check(bad, 1), Err(TuningError::Tick));
+    }
+    assert_eq!(Gains { kv: 0.0, ..good }.check(1e-3, 1), Err(TuningError::Gain));
+    assert_eq!(Gains { lambda2: 0.0, ..good }.check(1e-3, 1), Err(TuningError::Gain));
+    assert_eq!(Gains { b: 0.0, ..good }.check(1e-3, 1), Err(TuningError::B));
+    assert_eq!(good.check(0.0, 1), Err(TuningError::Tick));
+}
+
+/// Zero is no inertia, no tick and no bandwidth, but a damping; what is none has no largest bandwidth.
+#[test]
+fn zero_is_no_inertia_no_tick_and_no_bandwidth() {
+    assert_eq!(tune(0.0, 0.1, 5.0, 1e-3, 1), Err(TuningError::B));
+    assert_eq!(tune(0.1, 0.1, 5.0, 0.0, 1), Err(TuningError::Tick));
+    assert!(matches!(tune(0.1, 0.1, 0.0, 1e-3, 1), Err(TuningError::Bandwidth { .. })));
+    assert!(tune(0.1, 0.0, 5.0, 1e-3, 1).is_ok());
+    assert!(largest_bandwidth_hz(0.1, 0.0, 1e-3, 1) > 5.0);
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        for found in [
+            largest_bandwidth_hz(bad, 0.1, 1e-3, 1),
+            largest_bandwidth_hz(0.1, bad, 1e-3, 1),
+            largest_bandwidth_hz(0.1, 0.1, bad, 1),
+        ] {
+            assert_eq!(found, 0.0);
+        }
+    }
+    assert_eq!(largest_bandwidth_hz(0.0, 0.1, 1e-3, 1), 0.0);
+    assert_eq!(largest_bandwidth_hz(0.1, 0.1, 0.0, 1), 0.0);
+}
+
 proptest! {
     /// Whatever is accepted has 30° and a factor of two in hand, by independent means: the sampled loop, simulated with
     /// twice the gain, decays from a unit error.

@@ -5,10 +5,12 @@
 
 mod flash;
 mod lockstep;
+mod meter;
 mod uart;
 
 pub use flash::SimulatedFlash;
 pub use lockstep::{BOOT, Lockstep, Next, Received};
+pub use meter::Meter;
 pub use uart::{Link, Uart};
 
 use breakaway_core::link::FULL_SCALE_CODE;

@@ -19,13 +19,9 @@ pub use protection::Guard;
 pub use retained::RetainedRam;
 pub use serial::Serial;
 pub use start::{Parts, start};
-pub use ticks::{TickTimer, on_tick};
+pub use ticks::{TickSlot, TickTimer};
 
-use crate::app::{Tick, TrackController};
 use crate::board::Board;
-
-/// The tick of this board.
-pub type BoardTick = Tick<'static, 'static, Nucleo, TrackController>;
 
 /// What the tick needs.
 pub struct Nucleo {
