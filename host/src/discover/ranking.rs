@@ -27,19 +27,23 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usi
     let mut order: Vec<usize> =
         (0..tried.len()).filter(|i| evidence(data, current, &tried[*i], &NAMING)).take(CONSIDERED).collect();
     let fits: Vec<&Fit> = order.iter().filter_map(|i| tried[*i].fit.as_ref().ok()).collect();
-    let Some(best) = fits.first() else { return order };
-    let simplest = fits
-        .iter()
-        .enumerate()
-        .filter(|(_, fit)| {
-            let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
-            !better(&against, best.free.len().saturating_sub(fit.free.len()))
-        })
-        .min_by_key(|(rank, fit)| (fit.free.len(), *rank))
-        .map_or(0, |(rank, _)| rank);
+    let Some(simplest) = simplest(data, &fits) else { return order };
     let preferred = order.remove(simplest);
     order.insert(0, preferred);
     order
+}
+
+/// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first.
+fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
+    let best = fits.first()?;
+    let as_good = fits.iter().enumerate().filter(|(_, fit)| as_good(data, fit, best));
+    as_good.min_by_key(|(rank, fit)| (fit.free.len(), *rank)).map(|(rank, _)| rank)
+}
+
+/// Whether `fit` is tied with `best`, whose cost is lower, or pays for having fewer parameters.
+fn as_good(data: &Data, fit: &Fit, best: &Fit) -> bool {
+    let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
+    !better(&against, best.free.len().saturating_sub(fit.free.len()))
 }
 
 /// Whether paired evidence separates two models that differ by `extra` parameters: by most segments, or, where a few tell
@@ -65,22 +69,27 @@ pub(super) fn instead(tried: &[Tried], named: usize, rivals: &[Rival], place: us
 }
 
 /// The effect that comes closest where none is named, said with its parameters: its likelihood suffices, and the segments or
-/// the held-out data do not bear it out.
+/// the held-out data do not bear it out. Of several that are tied it is the simplest, and the others are said.
 pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units) -> Option<String> {
     let evidence = |fit: &Fit| paired(&current.mse, &fit.mse, &fit.samples, data.floor());
     let enough =
         |fit: &Fit| evidence(fit).lambda - NAMING.price * (fit.free.len() - current.free.len()) as f64 >= NAMING.lambda;
     // They are in the order of their cost.
-    let mut fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
-    let (kind, fit) = fits.find(|(_, fit)| enough(fit))?;
+    let fits: Vec<(Kind, &Fit)> =
+        tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?))).filter(|(_, fit)| enough(fit)).collect();
+    let index = simplest(data, &fits.iter().map(|(_, fit)| *fit).collect::<Vec<_>>())?;
+    let (kind, fit) = fits[index];
+    let others = fits.iter().filter(|(other, fit)| *other != kind && as_good(data, fit, fits[0].1));
+    let others: Vec<&str> = others.map(|(other, _)| other.name()).collect();
     let evidence = evidence(fit);
     let place = fit.candidate.effects.len() - 1;
     let parameters: Vec<String> = parameters(&fit.candidate, place, None, units)
         .iter()
         .map(|p| format!("{} = {:.3} {}", p.symbol, p.value, p.unit))
         .collect();
+    let tied = if others.is_empty() { String::new() } else { format!("; tied with it: {}", others.join(", ")) };
     Some(format!(
-        "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}), and is not borne out by {}",
+        "over segments of {} s {} comes closest ({}; λ {:.0}, z {:.1}{tied}), and is not borne out by {}",
         data.segment_s,
         kind.name(),
         parameters.join(", "),

@@ -38,12 +38,23 @@ pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     // Bristles take many sub-steps: most of the way with half of them.
     let slow = start.candidate.effects.iter().any(|effect| effect.kind.bristles());
     let first = Problem { coarse: slow, ..problem };
-    let mut fit = first.fit(&start.candidate, &start.free, None, FINAL_ITERATIONS).map_err(|e| e.to_string())?;
+    let from = |initial| first.fit(&start.candidate, &start.free, initial, FINAL_ITERATIONS);
+    // Where the heat had all segments, as it has of short ones, its starts are worth as much as the smoothed motion.
+    let mut fits = vec![from(None)];
+    if start.initial.len() == data.fit.len() {
+        fits.push(from(Some(start.initial.as_slice())));
+    }
+    let best = fits.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let mut fit = best.unwrap_or(Err(FitError::NoSegment)).map_err(|e| e.to_string())?;
     if slow {
         fit = problem.fit(&fit.candidate, &fit.free, Some(&fit.initial), FINE_ITERATIONS).map_err(|e| e.to_string())?;
     }
     resolved(data, &fit.candidate, &fit.candidate.effects)?;
     Ok(fit)
+}
+
+fn cost(fit: &Result<Fit, FitError>) -> f64 {
+    fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
 }
 
 /// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's; bristles so long
