@@ -206,7 +206,7 @@ pub fn replaced(data: &Data, current: &Fit, j: usize, others: &[Effect<f64>]) ->
     let replaced = others.into_par_iter().with_max_len(1).map(|other| {
         let mut candidate = current.candidate.clone();
         candidate.effects[j] = *other;
-        refitted(data, current, candidate)
+        refitted(data, current, &candidate)
     });
     replaced.flatten().collect()
 }
@@ -215,12 +215,12 @@ pub fn replaced(data: &Data, current: &Fit, j: usize, others: &[Effect<f64>]) ->
 pub fn without(data: &Data, current: &Fit, j: usize) -> Option<Fit> {
     let mut candidate = current.candidate.clone();
     candidate.effects.remove(j);
-    refitted(data, current, candidate)
+    refitted(data, current, &candidate)
 }
 
 /// Another model, from the starts of the current one.
-fn refitted(data: &Data, current: &Fit, candidate: Candidate) -> Option<Fit> {
-    data.problem().fit(&candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
+fn refitted(data: &Data, current: &Fit, candidate: &Candidate) -> Option<Fit> {
+    data.problem().fit(candidate, &Free::all(&candidate.effects), Some(&current.initial), LAST_ITERATIONS).ok()
 }
 
 /// Tries the refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are
