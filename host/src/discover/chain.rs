@@ -14,6 +14,9 @@ use super::screen::Screen;
 use crate::identify::shooting::{Covariance, Fit};
 use crate::recording::Units;
 
+/// Most effects added in one discovery.
+pub(super) const MAX_ADDED: usize = 3;
+
 /// A model on its way from the base to all that can be named.
 pub(super) struct Chain<'a> {
     data: &'a Data,
@@ -27,8 +30,8 @@ pub(super) struct Chain<'a> {
     closest: Option<String>,
     tie: Option<Tie>,
     remarks: Vec<String>,
-    /// The next round, where looking one further has run it already.
-    ahead: Option<Round>,
+    /// The next round and what is named in it, where looking one further has found that already.
+    ahead: Option<(Round, Accepted)>,
 }
 
 /// A named effect: what comes close, and the laws that are tried in its place once another is named.
@@ -93,11 +96,12 @@ impl<'a> Chain<'a> {
             return false;
         }
         progress(&format!("looking for effect {} among {}", self.named.len() + 1, Kind::ALL.len()));
-        let Some(mut round) = self.ahead.take().or_else(|| self.round(&self.current)) else { return false };
+        let ahead = self.ahead.take().map(|(round, accepted)| (round, Some(accepted)));
+        let Some((mut round, found)) = ahead.or_else(|| Some((self.round(&self.current)?, None))) else { return false };
         if first {
             self.closest = nearest(&round.data, &round.current, &round.tried, self.units);
         }
-        let accepted = self.accepted(&mut round);
+        let accepted = found.or_else(|| self.accepted(&mut round));
         let rivals = accepted.as_ref().map_or_else(Vec::new, |(index, fit, _)| self.rivals(&mut round, *index, fit));
         let Round { data: judged, current: without, tried } = round;
         if first {
@@ -137,9 +141,9 @@ impl<'a> Chain<'a> {
             }
             let Some(reason) = self.refusal(round, index, &after) else { return Some((index, fit, after)) };
             // What another missing effect spoils on held-out data may be right.
-            if !looked_further && self.gap.typically_halved(&after) {
+            if !looked_further && self.named.len() + 1 < MAX_ADDED && self.gap.typically_halved(&after) {
                 looked_further = true;
-                self.ahead = self.round(&fit).filter(|next| self.is_explained_by(next));
+                self.ahead = self.explained_beside(&fit);
                 if self.ahead.is_some() {
                     return Some((index, fit, after));
                 }
@@ -175,10 +179,14 @@ impl<'a> Chain<'a> {
         Some((fit, after))
     }
 
-    /// Whether the best effect of a round brings the model down to the noise.
-    fn is_explained_by(&self, round: &Round) -> bool {
-        let order = preference(&round.data, &round.current, &round.tried);
-        order.first().and_then(|best| self.carried_through(round, *best)).is_some_and(|(_, after)| after.explained())
+    /// The round beside `fit` whose best effect brings the model down to the noise, with that effect; `None` where it does not.
+    /// A second body, whose start is free in every segment, does not count.
+    fn explained_beside(&self, fit: &Fit) -> Option<(Round, Accepted)> {
+        let round = self.round(fit)?;
+        let best = *preference(&round.data, &round.current, &round.tried).first()?;
+        let (fit, after) = self.carried_through(&round, best)?;
+        let explains = after.explained() && round.tried[best].kind.free_memory() != 2;
+        explains.then_some((round, (best, fit, after)))
     }
 
     /// Why an effect that leaves `after` is not named.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use breakaway_core::plant::Base;
 
-use super::chain::{Chain, Tie};
+use super::chain::{Chain, MAX_ADDED, Tie};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
@@ -17,8 +17,6 @@ use crate::recording::{Recording, Units};
 
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
-/// Most effects added in one discovery.
-const MAX_ADDED: usize = 3;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
 const UNITS_FACTOR: f64 = 20.0;
 
