@@ -65,6 +65,32 @@ fn bristles_and_a_gravity_load_are_named() {
     both_named(&["dahl", "gravity_load"], 902);
 }
 
+/// Alone the change of inertia is right and worse on held-out data, which Stribeck friction spoils: one has to look one further. Here
+/// and in the next three the seed is one on which the rule was made; before it, a wrong name was given each time.
+#[test]
+fn an_inertia_step_that_stribeck_friction_spoils_is_named_with_it() {
+    both_named(&["stribeck", "inertia_step"], 752);
+}
+
+/// A dead zone does as well as the dead time, until the change of inertia is there.
+#[test]
+fn what_was_tied_is_tried_again_beside_the_second_effect() {
+    both_named(&["pwm_dead_time", "inertia_step"], 751);
+}
+
+/// A ripple longer than the recording is a load, once the load's share in friction is there.
+#[test]
+fn a_ripple_without_end_is_a_load() {
+    both_named(&["constant_load", "load_friction"], 752);
+}
+
+/// With starts of at most 0.6 of the Coulomb level this was called Stribeck friction.
+#[test]
+fn stiction_far_above_the_coulomb_level_is_named() {
+    let (scored, _) = run(&Case::suite(753, &["stiction"], 30.0).unwrap()).unwrap();
+    assert!(scored.right() && scored.parameter_error.unwrap() < 0.05, "{scored:?}");
+}
+
 /// A slow sine over teeth: equation error makes the inertia negative (−.001 drive units per acceleration), though the sign of the drive
 /// is right. That is no reason to refuse the recording.
 #[test]

@@ -7,7 +7,7 @@ use super::candidates::{self, Round};
 use super::data::Data;
 use super::decide::{FURTHER, NAMING, paired};
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
-use super::outcome::{CandidateRow, NamedEffect, Rung, Verdict};
+use super::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
 use super::ranking::{better, evidence, instead, nearest, parameters, preference, rivals, table};
 use super::refit;
 use super::screen::Screen;
@@ -204,7 +204,7 @@ impl<'a> Chain<'a> {
     }
 
     /// What comes close to the effect that is named; what is tied with it must hold on the held-out data too.
-    fn rivals(&self, round: &mut Round, index: usize, fit: &Fit) -> Vec<super::outcome::Rival> {
+    fn rivals(&self, round: &mut Round, index: usize, fit: &Fit) -> Vec<Rival> {
         let mut rivals = rivals(&round.data, fit, &round.tried, index);
         rivals.retain(|rival| {
             let other = round.tried.iter_mut().find(|t| t.kind == rival.kind && rival.tied);

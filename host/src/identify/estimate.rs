@@ -178,13 +178,14 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     let fit = fitted_from(&problem, &start);
     let mut estimates = vec![weak_estimate.clone()];
     let (mut simulation_error, mut white) = (f64::NAN, false);
+    let simulated = fit.as_ref().map(|fit| from_fit(&problem, fit, both));
     if let Some(fit) = &fit {
         simulation_error = median(fit.mse.clone()).sqrt();
         white = simulation_error.powi(2) < WHITE_RATIO * noise * noise;
-        estimates.push(from_fit(&problem, fit, both));
     }
-    let best = match &fit {
-        Some(fit) if white || biased => from_fit(&problem, fit, both),
+    estimates.extend(simulated.clone());
+    let best = match simulated {
+        Some(simulated) if white || biased => simulated,
         _ => weak_estimate,
     };
     if best.b.value <= 0.0 {

@@ -50,7 +50,7 @@ impl<const N: usize> Sums<N> {
         }
     }
 
-    /// The products of the waiting rows; one triangle, but for what makes whole vectors.
+    /// The products of the waiting rows. Both triangles: whole rows are what the compiler makes vectors of.
     fn sum(&mut self) {
         for (i, sums) in self.hessian.iter_mut().enumerate() {
             let mut total = *sums;
