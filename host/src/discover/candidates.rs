@@ -231,6 +231,9 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
         return over_short_segments(heat, &problem, chosen(kind, screen.starts(kind), 1)).ok_or(reason);
     }
+    if kind.gap().is_some() {
+        return least(through_impacts(heat, &problem, chosen(kind, screen.starts(kind), 1))).ok_or(reason);
+    }
     let mut tries: Vec<Fit> = Vec::new();
     let trial = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.trial) };
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
@@ -282,6 +285,17 @@ fn over_short_segments(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start
     let best = fits.iter().map(|(_, fit)| gain(fit)).fold(0.0, f64::max);
     let worth = |(whole, fit): &(bool, Fit)| gain(fit) + if *whole { (1.0 - AS_GOOD) * best } else { 0.0 };
     fits.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|(_, fit)| fit)
+}
+
+/// A body that is lost among impacts: two steps over a few segments would tell nothing, so all starts go to the end; and from
+/// the measured motion, since one that was fitted without the impacts is far from it.
+fn through_impacts(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Fit> {
+    let base = heat.current.candidate.base;
+    let fits = starts.into_iter().filter_map(|start| {
+        let beside = Candidate { base, ..start.candidate };
+        problem.fit(&beside, &Free::all(&beside.effects), None, FIRST_ITERATIONS).ok()
+    });
+    fits.collect()
 }
 
 /// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one

@@ -4,12 +4,15 @@
 //! Minimised is `Σ_segments n/2·log(σ² + mse)` by Levenberg–Marquardt. The logarithm bounds the influence of any one
 //! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.
 
-use breakaway_core::plant::{Base, Drive, Effect, Plant};
+use std::ops::ControlFlow;
+
+use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 mod equations;
+mod lost;
 mod mend;
 mod warm_up;
 
@@ -18,6 +21,7 @@ use super::dual::Dual;
 use super::track::Track;
 use super::track::median;
 use equations::{Normal, Sums};
+use warm_up::placed;
 
 /// A segment counts for at least this many samples, however smooth its residual: misfit differs from one to the next.
 const LEAST_SAMPLES: f64 = 4.0;
@@ -163,12 +167,25 @@ impl Problem<'_> {
         n: usize,
         segment: Segment,
         start: [R; 4],
-        mut visit: impl FnMut(usize, R),
+        visit: impl FnMut(usize, R) -> ControlFlow<()>,
+    ) {
+        self.simulate_from(plant, n, segment, placed(plant, &self.warm_state(plant, segment), start), visit);
+    }
+
+    /// The same from a state, as long as `visit` wants it.
+    fn simulate_from<R: Real>(
+        &self,
+        plant: &Plant<'_, R>,
+        n: usize,
+        segment: Segment,
+        mut state: State<R>,
+        mut visit: impl FnMut(usize, R) -> ControlFlow<()>,
     ) {
         let track = &self.tracks[segment.track];
-        let mut state = self.initial_state(plant, segment, start);
         for k in segment.start..segment.start + segment.len {
-            visit(k, plant.measured(state.x));
+            if visit(k, plant.measured(state.x)).is_break() {
+                return;
+            }
             let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
             plant.advance(&mut state, drive, n);
         }
@@ -210,6 +227,7 @@ impl Problem<'_> {
                 let residual = weight * (track.x[k] - simulated.value);
                 missed.by(residual);
                 sums.add(&simulated.scale(weight).gradient, residual);
+                ControlFlow::Continue(())
             },
         );
         let m = p + local;
@@ -224,6 +242,7 @@ impl Problem<'_> {
         let mut missed = Missed::default();
         self.simulate(&plant, self.sub_steps(&plant, segment), segment, initial, |k, x| {
             missed.by(track.weight(k) * (track.x[k] - x));
+            ControlFlow::Continue(())
         });
         Normal {
             hessian: DMatrix::zeros(0, 0),
@@ -307,7 +326,10 @@ impl Problem<'_> {
     pub fn covariance(&self, fit: &Fit) -> Covariance {
         let problem = Problem { softening: fit.floor, ..*self };
         let normals = problem.normals(&fit.candidate, &fit.free, &fit.initial);
-        Covariance { free: fit.free.clone(), matrix: problem.sandwich(&normals, &fit.initial, fit.free.len()) }
+        Covariance {
+            free: fit.free.clone(),
+            matrix: problem.sandwich(&fit.candidate, &normals, &fit.initial, fit.free.len()),
+        }
     }
 
     /// Levenberg–Marquardt from a start.
@@ -336,7 +358,7 @@ impl Problem<'_> {
         let mut damping = 1e-3;
         let (mut converged, mut small) = (false, false);
         for iteration in 1..=iterations {
-            let Some((step, local)) = self.step(&normals, &states, free.len(), damping) else {
+            let Some((step, local)) = self.step(&candidate, &normals, &states, free.len(), damping) else {
                 damping *= 10.0;
                 continue;
             };
@@ -411,7 +433,7 @@ impl Problem<'_> {
                 best = before;
             }
             let equations = if last { &full(best.0) } else { &best.1 };
-            if let Some(step) = self.start_step(equations, segment, best.0, free.len(), 1e-2) {
+            if let Some(step) = self.start_step(candidate, equations, (segment, best.0), free.len(), 1e-2) {
                 let next = run(step);
                 if cost(&next.0, &next.1) < cost(&best.0, &best.1) {
                     best = next;
@@ -438,7 +460,10 @@ impl Problem<'_> {
         let plant = Plant { base: candidate.base, effects: &candidate.effects };
         let n = self.sub_steps(&plant, segment);
         let mut positions = Vec::with_capacity(segment.len);
-        self.simulate(&plant, n, segment, initial, |_, x| positions.push(x));
+        self.simulate(&plant, n, segment, initial, |_, x| {
+            positions.push(x);
+            ControlFlow::Continue(())
+        });
         positions
     }
 }

@@ -3,7 +3,7 @@
 use super::{ActsIn, Definition, Law, Memory, Parameter, Scale, Search};
 use crate::scalar::Real;
 
-/// Backlash: `load μ·b free within a gap ±g/2 of the motor, inelastic contact`.
+/// Backlash: `load μ·b free within a gap ±g/2 of the motor, contact with restitution e`.
 #[derive(Clone, Copy, Debug)]
 pub struct Backlash;
 
@@ -11,21 +11,21 @@ impl Law for Backlash {
     const DEFINITION: Definition = Definition {
         name: "backlash",
         title: "Backlash",
-        law: "load μ·b free within a gap ±g/2 of the motor, inelastic contact",
+        law: "load μ·b free within a gap ±g/2 of the motor, contact with restitution e",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.06, 0.11, 0.2, 0.35])),
-            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.25, 0.5])),
+            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.065, 0.12, 0.22, 0.4, 0.75, 1.4])),
+            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.4])),
+            Parameter::new("e", "1", "restitution: closing speed left after an impact", 0.0, 0.95).search(Search::Grid(Scale::Unit, &[0.2])),
         ],
         shown_by: "reversals, multisine",
         confused_with: &["lugre", "dahl", "flexible_coupling"],
         compensation: None,
     };
 
-    const THRESHOLD: bool = true;
-
     const REMEMBERS: bool = true;
     const FREE_MEMORY: usize = 2;
+    const GAP: Option<usize> = Some(0);
 
     // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side).
     fn inertia<R: Real>(p: &[R], _t: R, memory: &Memory<R>) -> R {
@@ -54,15 +54,27 @@ impl Law for Backlash {
         if closing <= R::ZERO {
             return;
         }
-        // Inelastic: common velocity by momentum; the part of the sub-step after the impact is redone at it.
+        // Common velocity by momentum, and the share of the closing speed that is left; the part of the sub-step after the
+        // impact is redone at it.
         let common = (R::ONE - p[1]) * *v + p[1] * memory[1];
+        let rebound = p[2] * closing * side;
+        let after = common - p[1] * rebound;
         let overlap = offset.abs() - half_gap;
         let late = (overlap / closing).min(R::from_f64(h));
-        *x += (common - *v) * late;
-        *v = common;
-        memory[0] = *x - half_gap * side;
-        memory[1] = common;
+        *x += (after - *v) * late;
+        *v = after;
+        memory[1] = common + (R::ONE - p[1]) * rebound;
+        memory[0] = *x - half_gap * side + (memory[1] - after) * late;
         memory[2] = side;
+    }
+
+    fn displaced<R: Real>(p: &[R], x: R, more: [R; 2], memory: &mut Memory<R>) {
+        memory[0] += more[0];
+        memory[1] += more[1];
+        // Well off the face it is not pushed.
+        if (x - memory[0]) * memory[2] < p[0].scale(0.49) {
+            memory[2] = R::ZERO;
+        }
     }
 
     fn at_rest<R: Real>(_p: &[R], x: R) -> Memory<R> {

@@ -95,6 +95,8 @@ pub trait Law {
     /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
     /// and velocity of a second body. At most 2.
     const FREE_MEMORY: usize = 0;
+    /// The parameter, if there is one, that is the width of the gap in which a second body may be anywhere about the motor.
+    const GAP: Option<usize> = None;
     /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
     const THRESHOLD: bool = false;
     /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
@@ -108,6 +110,12 @@ pub trait Law {
     /// M: the memory of a body at rest with the motor at position `x`.
     fn at_rest<R: Real>(_p: &[R], _x: R) -> Memory<R> {
         [R::ZERO; 3]
+    }
+    /// M: the memory at the start of a segment, where the motor is at `x` and the free memory is `more` than what the motion
+    /// before says.
+    fn displaced<R: Real>(_p: &[R], _x: R, more: [R; 2], memory: &mut Memory<R>) {
+        memory[0] += more[0];
+        memory[1] += more[1];
     }
     /// S: added to the position that the sensor reports.
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
@@ -182,6 +190,10 @@ macro_rules! catalogue {
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
+            /// See [`Law::GAP`].
+            pub const fn gap(self) -> Option<usize> {
+                match self { $(Self::$law => <$law as Law>::GAP,)* }
+            }
             /// See [`Law::bandwidth`].
             pub fn bandwidth(self, p: &[f64], base: &Base<f64>) -> f64 {
                 match self { $(Self::$law => <$law as Law>::bandwidth(p, base),)* }
@@ -232,6 +244,10 @@ macro_rules! catalogue {
             /// See [`Law::at_rest`].
             pub fn at_rest(&self, x: R) -> Memory<R> {
                 match self.kind { $(Kind::$law => $law::at_rest(&self.p, x),)* }
+            }
+            /// See [`Law::displaced`].
+            pub fn displaced(&self, x: R, more: [R; 2], memory: &mut Memory<R>) {
+                match self.kind { $(Kind::$law => $law::displaced(&self.p, x, more, memory),)* }
             }
             /// See [`Law::sensor`].
             #[inline]

@@ -72,30 +72,62 @@ impl<const N: usize> Sums<N> {
     }
 }
 
+/// Nats that the start of a body within a gap may cost at the most: one that was lost among impacts may be anywhere.
+const LOST: f64 = 12.0;
+
+/// How far a second body's start may be from what the motion before says.
+#[derive(Clone, Copy)]
+struct Prior {
+    /// Standard deviations of position and velocity.
+    deviations: [f64; 2],
+    /// Nats that any start costs at the most.
+    most: f64,
+}
+
+impl Prior {
+    /// Half the square of a start in its deviations.
+    fn surprise(&self, start: Start) -> f64 {
+        0.5 * ((start[2] / self.deviations[0]).powi(2) + (start[3] / self.deviations[1]).powi(2))
+    }
+
+    /// Minus its logarithm.
+    fn cost(&self, start: Start) -> f64 {
+        let surprise = self.surprise(start);
+        surprise / (1.0 + surprise / self.most)
+    }
+
+    /// What the precisions of position and velocity are at a start.
+    fn precisions(&self, start: Start) -> [f64; 2] {
+        let slope = (1.0 + self.surprise(start) / self.most).powi(-2);
+        self.deviations.map(|deviation| slope / (deviation * deviation))
+    }
+}
+
 impl Problem<'_> {
     /// A step of one segment's start alone, the parameters held.
     pub(super) fn start_step(
         &self,
+        candidate: &Candidate,
         normal: &Normal,
-        segment: Segment,
-        start: Start,
+        at: (Segment, Start),
         p: usize,
         damping: f64,
     ) -> Option<Start> {
-        let (local, gradient) = self.local_equations(normal, segment, start, p, damping);
+        let (local, gradient) = self.local_equations(candidate, normal, at, p, damping);
         let step = local.cholesky()?.solve(&gradient);
-        Some(std::array::from_fn(|i| start[i] + step.get(i).copied().unwrap_or(0.0)))
+        Some(std::array::from_fn(|i| at.1[i] + step.get(i).copied().unwrap_or(0.0)))
     }
 
     /// Normal equations of one segment's start, its prior and bounds included, over the weight of the segment.
     fn local_equations(
         &self,
+        candidate: &Candidate,
         normal: &Normal,
-        segment: Segment,
-        start: Start,
+        at: (Segment, Start),
         p: usize,
         damping: f64,
     ) -> (DMatrix<f64>, DVector<f64>) {
+        let (segment, start) = at;
         let weight = 1.0 / (self.floor() + normal.mse);
         let count = normal.gradient.len() - p;
         let mut local = normal.hessian.view((p, p), (count, count)).into_owned();
@@ -106,17 +138,23 @@ impl Problem<'_> {
             local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
         }
         if count == 4 {
-            for (i, deviation) in (2..4).zip(self.memory_deviations()) {
-                let precision = 1.0 / (weight * deviation * deviation);
-                local[(i, i)] += precision;
-                gradient[i] -= precision * start[i];
+            for (i, precision) in (2..4).zip(self.prior(candidate).precisions(start)) {
+                local[(i, i)] += precision / weight;
+                gradient[i] -= precision / weight * start[i];
             }
         }
         (local, gradient)
     }
 
     /// Eliminates the initial states of every segment; `None` if a segment does not determine its own.
-    fn reduce(&self, normals: &[Normal], states: &[Start], p: usize, damping: f64) -> Option<Reduced> {
+    fn reduce(
+        &self,
+        candidate: &Candidate,
+        normals: &[Normal],
+        states: &[Start],
+        p: usize,
+        damping: f64,
+    ) -> Option<Reduced> {
         let mut reduced = Reduced {
             hessian: DMatrix::zeros(p, p),
             gradient: DVector::zeros(p),
@@ -126,7 +164,7 @@ impl Problem<'_> {
         for ((normal, segment), state) in normals.iter().zip(self.segments).zip(states) {
             let weight = 1.0 / (self.floor() + normal.mse);
             let count = normal.gradient.len() - p;
-            let (local, local_gradient) = self.local_equations(normal, *segment, *state, p, damping);
+            let (local, local_gradient) = self.local_equations(candidate, normal, (*segment, *state), p, damping);
             let inverse = local.cholesky()?.inverse();
             let cross = normal.hessian.view((0, p), (p, count)).into_owned();
             let product = &cross * &inverse;
@@ -139,10 +177,13 @@ impl Problem<'_> {
         Some(reduced)
     }
 
-    /// Standard deviations of a second body's position and velocity about what the motion before the segment says.
-    fn memory_deviations(&self) -> [f64; 2] {
+    fn prior(&self, candidate: &Candidate) -> Prior {
         let position = MEMORY_DEVIATIONS * self.sigma;
-        [position, position * 0.1 / self.tracks[0].ts]
+        let within_a_gap = candidate.effects.iter().any(|effect| effect.kind.gap().is_some());
+        Prior {
+            deviations: [position, position * 0.1 / self.tracks[0].ts],
+            most: if within_a_gap { LOST } else { f64::INFINITY },
+        }
     }
 
     /// Minus the log prior of the second bodies' starts.
@@ -150,15 +191,21 @@ impl Problem<'_> {
         if candidate.local() < 4 {
             return 0.0;
         }
-        let [position, velocity] = self.memory_deviations();
-        states.iter().map(|s| 0.5 * ((s[2] / position).powi(2) + (s[3] / velocity).powi(2))).sum()
+        let prior = self.prior(candidate);
+        states.iter().map(|start| prior.cost(*start)).sum()
+    }
+
+    /// Root mean square of the measured velocity.
+    pub(super) fn typical_speed(&self, segment: Segment) -> f64 {
+        let v = &self.tracks[segment.track].vs[segment.start..segment.start + segment.len];
+        (v.iter().map(|v| v * v).sum::<f64>() / segment.len as f64).sqrt()
     }
 
     /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
     fn start_scales(&self, segment: Segment) -> Start {
         let track = &self.tracks[segment.track];
         let range = segment.start..segment.start + segment.len;
-        let speed = (track.vs[range.clone()].iter().map(|v| v * v).sum::<f64>() / segment.len as f64).sqrt();
+        let speed = self.typical_speed(segment);
         let x = &track.xs[range];
         let travel = x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min);
         let velocity = speed + 100.0 * self.sigma;
@@ -168,12 +215,13 @@ impl Problem<'_> {
     /// One damped Gauss–Newton step: parameters and initial states.
     pub(super) fn step(
         &self,
+        candidate: &Candidate,
         normals: &[Normal],
         states: &[Start],
         p: usize,
         damping: f64,
     ) -> Option<(DVector<f64>, Vec<Start>)> {
-        let reduced = self.reduce(normals, states, p, damping)?;
+        let reduced = self.reduce(candidate, normals, states, p, damping)?;
         let mut damped = reduced.hessian.clone();
         for i in 0..p {
             damped[(i, i)] *= 1.0 + damping;
@@ -196,9 +244,17 @@ impl Problem<'_> {
 
     /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
     /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
-    pub(super) fn sandwich(&self, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
+    pub(super) fn sandwich(
+        &self,
+        candidate: &Candidate,
+        normals: &[Normal],
+        states: &[Start],
+        p: usize,
+    ) -> DMatrix<f64> {
         let unknown = || DMatrix::from_element(p, p, f64::NAN);
-        let Some(Reduced { hessian, scores, .. }) = self.reduce(normals, states, p, 0.0) else { return unknown() };
+        let Some(Reduced { hessian, scores, .. }) = self.reduce(candidate, normals, states, p, 0.0) else {
+            return unknown();
+        };
         let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };
         if self.segments.len() < 4 * p { inverse } else { &inverse * scores * &inverse }
     }

@@ -1,15 +1,17 @@
 //! Segments whose start is caught: a body that the first samples stop tells nothing of how fast it came, so that no step
 //! of the fit frees it, while the measured one went on.
 
+use breakaway_core::plant::Plant;
 use rayon::prelude::*;
 
+use super::warm_up::placed;
 use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
 use crate::identify::track::{HALF_WIDTH_S, median};
 
 /// A segment is looked at whose mean square is above this multiple of the median segment's, and of the floor: that of 400
 /// samples of noise is within 1 ± 0.25.
-const CAUGHT: f64 = 1.5;
+pub(super) const CAUGHT: f64 = 1.5;
 /// Of fewer segments than these the median says nothing.
 const FEW: usize = 4;
 /// Start velocities tried, in standard deviations of the smoothed velocity about it.
@@ -22,6 +24,12 @@ const SLOPE_DEVIATIONS: f64 = 0.945;
 const STEPS: usize = 3;
 /// Share of its mean square that a start must lose to be taken in exchange.
 const WORTH: f64 = 0.8;
+
+/// The best start found, and what it leaves of the segment.
+pub(super) struct Nearest {
+    pub(super) mse: f64,
+    pub(super) start: Start,
+}
 
 impl Problem<'_> {
     /// Starts caught segments anew, from velocities all about the smoothed one. Whether any was exchanged.
@@ -43,24 +51,37 @@ impl Problem<'_> {
 
     /// A start from which the segment's mean square is well below `mse`.
     fn freed(&self, candidate: &Candidate, segment: Segment, old: Start, smoothed: Start, mse: f64) -> Option<Start> {
+        let plant = Plant { base: candidate.base, effects: &candidate.effects };
+        let warm = self.warm_state(&plant, segment);
+        let mut nearest = Nearest { mse: f64::INFINITY, start: old };
         let deviation = SLOPE_DEVIATIONS * self.sigma / HALF_WIDTH_S;
-        let run = |start: Start| (self.plain(candidate, segment, start).mse, start);
-        let starts = |memory: [f64; 2]| {
-            VELOCITIES.iter().map(move |k| [smoothed[0], smoothed[1] + k * deviation, memory[0], memory[1]])
+        let run = |start: Start, nearest: &mut Nearest| {
+            if let Some(mse) = self.below(nearest.mse, &plant, segment, placed(&plant, &warm, start)) {
+                *nearest = Nearest { mse, start };
+            }
         };
-        let forgotten = starts([0.0; 2]).filter(|_| old[2..] != [0.0; 2]);
-        let least = |a: &(f64, Start), b: &(f64, Start)| a.0.total_cmp(&b.0);
-        let tried = starts([old[2], old[3]]).chain(forgotten).map(run);
-        let mut nearest = tried.filter(|(mse, _)| mse.is_finite()).min_by(least)?;
-        for share in FINER {
-            let beside =
-                [-share, share].map(|k| [nearest.1[0], nearest.1[1] + k * deviation, nearest.1[2], nearest.1[3]]);
-            nearest = beside.into_iter().map(run).chain([nearest]).min_by(least)?;
+        for memory in [[old[2], old[3]], [0.0; 2]] {
+            for k in VELOCITIES {
+                run([smoothed[0], smoothed[1] + k * deviation, memory[0], memory[1]], &mut nearest);
+            }
+            if memory == [0.0; 2] {
+                break;
+            }
         }
-        let (_, mut best) = nearest;
+        for share in FINER {
+            let [x, v, y, w] = nearest.start;
+            for k in [-share, share] {
+                run([x, v + k * deviation, y, w], &mut nearest);
+            }
+        }
+        self.find_lost(candidate, segment, &warm, &mut nearest);
+        if nearest.mse.is_infinite() {
+            return None;
+        }
+        let mut best = nearest.start;
         let mut normal = self.normal_any(candidate, &[], segment, best);
         for _ in 0..STEPS {
-            let Some(next) = self.start_step(&normal, segment, best, 0, 1e-3) else { break };
+            let Some(next) = self.start_step(candidate, &normal, (segment, best), 0, 1e-3) else { break };
             let stepped = self.normal_any(candidate, &[], segment, next);
             if stepped.mse.is_nan() || stepped.mse >= normal.mse {
                 break;

@@ -9,33 +9,38 @@ use super::{Problem, Segment};
 use crate::identify::track::Track;
 
 impl Problem<'_> {
-    pub(super) fn initial_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment, start: [R; 4]) -> State<R> {
-        let [x0, v0, y, w] = start;
+    /// The state that the motion before the segment leaves, to be [`placed`] at a start.
+    pub(super) fn warm_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> State<R> {
         let track = &self.tracks[segment.track];
         if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
-            return State { x: x0, v: v0, ..plant.at_rest(x0) };
+            return plant.at_rest(R::ZERO);
         }
         let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
         let earliest = track.pieces[piece];
         let first = segment.start.saturating_sub((self.warm_up_s / track.ts) as usize).max(earliest);
         let before = first..segment.start;
         // A bristle's start is free: how its history depends on the parameters changes nothing that the fit could not.
-        let mut memory = if plant.effects.iter().all(|effect| effect.kind.bristles() || !effect.kind.remembers()) {
+        if plant.effects.iter().all(|effect| effect.kind.bristles() || !effect.kind.remembers()) {
             let effects: Vec<Effect<f64>> =
                 plant.effects.iter().map(|e| Effect { kind: e.kind, p: e.p.map(Real::to_f64) }).collect();
             let base = Base { b: plant.base.b.to_f64(), c: plant.base.c.to_f64(), f1: plant.base.f1.to_f64() };
             let plain = warmed_up(&Plant { base, effects: &effects }, before, track);
-            plain.memory.map(|slot| slot.map(R::from_f64))
+            State { x: R::ZERO, v: R::ZERO, memory: plain.memory.map(|slot| slot.map(R::from_f64)) }
         } else {
-            warmed_up(plant, before, track).memory
-        };
-        let free = plant.effects.iter().position(|effect| effect.kind.free_memory() > 0);
-        if let Some(memory) = free.and_then(|j| memory.get_mut(j)) {
-            memory[0] += y;
-            memory[1] += w;
+            warmed_up(plant, before, track)
         }
-        State { x: x0, v: v0, memory }
     }
+}
+
+/// A warm state moved to a start, the free memory by what the start adds to it.
+pub(super) fn placed<R: Real>(plant: &Plant<'_, R>, warm: &State<R>, start: [R; 4]) -> State<R> {
+    let [x, v, y, w] = start;
+    let mut memory = warm.memory;
+    let mut remembering = plant.effects.iter().zip(memory.iter_mut());
+    if let Some((effect, memory)) = remembering.find(|(effect, _)| effect.kind.free_memory() > 0) {
+        effect.displaced(x, [y, w], memory);
+    }
+    State { x, v, memory }
 }
 
 /// The effects' memories after the measured motion `before`, from rest.
