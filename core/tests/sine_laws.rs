@@ -37,6 +37,60 @@ fn streaming<S: breakaway_core::estimate::sine::Sample>(y: &[S], omega: f64) -> 
     config.fit(&sums)
 }
 
+/// A sine in counts: its period in samples and by how much it is off that, its length, phase, offset and third harmonic; with one
+/// count of noise beside the harmonic, and 50 dB without.
+struct Counts {
+    period: u32,
+    off: f64,
+    cycles: f64,
+    phase: f64,
+    offset: i32,
+    harmonics: f64,
+}
+
+fn in_f64_and_f32(record: &Counts, seed: u64) -> (SineFit<f64>, SineFit<f32>) {
+    let period = f64::from(record.period);
+    let wide = StreamingSine::new(TAU / (period * TS), TS).unwrap();
+    let narrow = StreamingSine::<f32>::of_period(record.period, TS as f32).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut a, mut b) = (BlockSums::<i32>::new(), BlockSums::<i32>::new());
+    let (amplitude, noise) = (20_000.0, if record.harmonics > 0.0 { 1.0 } else { 63.2 });
+    for k in 0..(record.cycles * period) as u32 {
+        let angle = TAU * f64::from(k) / period * (1.0 + record.off) + record.phase;
+        let normal: f64 = StandardNormal.sample(&mut rng);
+        let y = amplitude * (angle.sin() + record.harmonics * (3.0 * angle).sin()) + noise * normal;
+        wide.push(&mut a, y.round() as i32 + record.offset);
+        narrow.push(&mut b, y.round() as i32 + record.offset);
+    }
+    (wide.fit(&a).unwrap(), narrow.fit(&b).unwrap())
+}
+
+/// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth but in one
+/// of a hundred: there the harmonic leaves next to nothing between the blocks, the two sources of the noise disagree, and
+/// rounding decides what each counts. In 1 500 others 11 were off by more, and the worst by 3.6 %.
+#[test]
+fn standard_errors_in_f32_are_those_of_f64() {
+    let mut rng = ChaCha8Rng::seed_from_u64(20);
+    let mut draw = |low: f64, high: f64| rand_distr::Uniform::new(low, high).unwrap().sample(&mut rng);
+    let mut off: Vec<f64> = (0..300)
+        .map(|seed| {
+            let record = Counts {
+                period: draw(60.0, 400.0) as u32,
+                off: draw(-0.01, 0.01),
+                cycles: draw(8.0, 60.0),
+                phase: draw(-3.0, 3.0),
+                offset: draw(-500.0, 500.0) as i32,
+                harmonics: 0.04,
+            };
+            let (truth, fit) = in_f64_and_f32(&record, seed);
+            (f64::from(fit.se.amplitude) / truth.se.amplitude - 1.0).abs()
+        })
+        .collect();
+    off.sort_by(f64::total_cmp);
+    println!("the worst: {:?}", &off[290..]);
+    assert!(off[293] < 1e-3 && off[299] < 0.05, "{:?}", &off[290..]);
+}
+
 fn any_value() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -1e3..1e3_f64,
@@ -106,9 +160,9 @@ proptest! {
         }
     }
 
-    /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32 and to a
-    /// thousandth of the standard errors. With 50 dB of noise instead of harmonics the noise's power is 1e-5 of the signal's, of
-    /// which the sums' rounding (2^-24 each of 32 blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the errors.
+    /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32. With 50 dB of
+    /// noise instead of harmonics the noise's power is 1e-5 of the signal's, of which the sums' rounding (2^-24 each of 32
+    /// blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the standard errors. Those of the limit cycle: below.
     #[test]
     fn solved_in_f32_as_in_f64(
         period in 60_u32..1_500,
@@ -119,22 +173,8 @@ proptest! {
         harmonics in prop_oneof![Just(0.04_f64), Just(0.0)],
         seed in any::<u64>(),
     ) {
-        let (wide, narrow) = (
-            StreamingSine::new(TAU / (f64::from(period) * TS), TS).unwrap(),
-            StreamingSine::<f32>::of_period(period, TS as f32).unwrap(),
-        );
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (mut a, mut b) = (BlockSums::<i32>::new(), BlockSums::<i32>::new());
-        let (amplitude, noise) = (20_000.0, if harmonics > 0.0 { 1.0 } else { 63.2 });
-        for k in 0..(cycles * f64::from(period)) as u32 {
-            let angle = TAU * f64::from(k) / f64::from(period) * (1.0 + off) + phase;
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            let y = amplitude * (angle.sin() + harmonics * (3.0 * angle).sin()) + noise * normal;
-            wide.push(&mut a, y.round() as i32 + offset);
-            narrow.push(&mut b, y.round() as i32 + offset);
-        }
-        let (truth, fit) = (wide.fit(&a).unwrap(), narrow.fit(&b).unwrap());
-        let errors = if harmonics > 0.0 { 1e-3 } else { 0.02 };
+        let (truth, fit) = in_f64_and_f32(&Counts { period, off, cycles, phase, offset, harmonics }, seed);
+        let errors = if harmonics > 0.0 { 0.05 } else { 0.02 };
         for (name, got, se_got, value, se) in [
             ("amplitude", fit.amplitude, fit.se.amplitude, truth.amplitude, truth.se.amplitude),
             ("omega", fit.omega_rad_s, fit.se.omega_rad_s, truth.omega_rad_s, truth.se.omega_rad_s),

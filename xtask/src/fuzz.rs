@@ -97,9 +97,10 @@ fn grown(target: &str, kind: &str) -> Result<PathBuf> {
 
 /// libFuzzer counts the time by the clock, of which a busy machine gives a part: it runs again for what it did not get.
 fn one(target: &str, seconds: u64) -> Result<Outcome> {
-    run(&mut fuzz("build", target))?;
     let mut all = Outcome::default();
     while all.found.is_none() && all.time_s.round() < seconds as f64 {
+        // What was changed meanwhile is built before the time is taken, not by the run.
+        run(&mut fuzz("build", target))?;
         let rest = (seconds as f64 - all.time_s).ceil().max(SHORTEST_S);
         let before = all.clone();
         let begin = processor_time_s()?;

@@ -189,7 +189,8 @@ mod tests {
 
     #[test]
     fn a_period_in_samples_is_the_nearest_word() {
-        for samples in (3..100_000).chain([1 << 16, 1 << 20, u32::MAX]) {
+        let most = if cfg!(miri) { 1_000 } else { 100_000 };
+        for samples in (3..most).chain([1 << 16, 1 << 20, u32::MAX]) {
             let word = (4_294_967_296.0 / f64::from(samples)).round() as u32;
             assert_eq!(Nco::of_period(samples).word(), word, "{samples}");
         }

@@ -152,3 +152,6 @@ fn beginning(data: &Data, window: Segment) -> Segment {
 pub(super) fn root_mean(mse: &[f64]) -> f64 {
     (mse.iter().sum::<f64>() / mse.len().max(1) as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests;

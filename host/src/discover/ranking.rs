@@ -195,3 +195,6 @@ pub(super) fn parameters(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

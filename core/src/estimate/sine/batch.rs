@@ -215,7 +215,7 @@ where
     let high = (search.high * extent.half_s).min(limit);
     extent.check_cycles(high, MIN_CYCLES_FREE)?;
     // Written so that NaN is refused too.
-    if !(search.low > 0.0 && low < high) {
+    if !(search.low > 0.0 && search.low < search.high && low < high) {
         return Err(SineError::SearchRange);
     }
     let scaled = extent.scaled(samples, model);

@@ -124,3 +124,6 @@ pub(super) fn refine<R: SolverReal, const N: usize>(
     }
     None
 }
+
+#[cfg(test)]
+mod tests;
