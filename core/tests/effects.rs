@@ -1,7 +1,7 @@
 //! Laws that hold for every effect of the catalogue.
 
 use breakaway_core::plant::effect::{ActsIn, Held, Instant};
-use breakaway_core::plant::{Base, Effect, Kind};
+use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const H: f64 = 1e-3;
@@ -42,4 +42,44 @@ fn hooks_stand_where_the_effect_acts() {
             }
         }
     }
+}
+
+/// The law of the backlash's impacts: momentum is kept, and of the closing speed the share e is left, opening. To rounding.
+#[test]
+fn an_impact_keeps_momentum_and_leaves_e_of_the_closing_speed() {
+    for side in [1.0, -1.0] {
+        for (gap, mu, e) in [(0.2, 0.4, 0.18), (0.2, 0.4, 0.0), (0.05, 0.7, 0.6)] {
+            let backlash = Effect::new(Kind::Backlash, &[gap, mu, e]);
+            // The motor, 2 units of speed faster than the load, ends the sub-step 0.2 ms past the face.
+            let (w, closing, late) = (-0.5 * side, 2.0 * side, 2e-4);
+            let (mut x, mut v) = (0.5 * gap * side + closing * late, w + closing);
+            let mut memory = [-w * H, w, 0.0];
+            backlash.impact(&mut x, &mut v, &mut memory, H);
+            let momentum = (1.0 - mu) * v + mu * memory[1];
+            assert!((momentum - (w + (1.0 - mu) * closing)).abs() < 1e-12, "{momentum}");
+            assert!((memory[1] - v - e * closing).abs() < 1e-12, "{v} {memory:?}");
+            // From the impact on they have moved apart for as long as it was late.
+            let clearance = 0.5 * gap - (x - memory[0]) * side;
+            assert!((clearance - e * closing.abs() * late).abs() < 1e-12, "{clearance}");
+        }
+    }
+}
+
+/// A load that is pushed moves as one with the motor: under a constant drive both gain u/b, the inertia of the two together, and
+/// the motor is where one body would be. Impacts in every sub-step, each exact: to rounding.
+#[test]
+fn a_load_that_is_pushed_is_one_body_with_the_motor() {
+    let base = Base { b: 0.03_f64, c: 0.0, f1: 0.0 };
+    let effects = [Effect::new(Kind::Backlash, &[0.2, 0.4, 0.0])];
+    let plant = Plant { base, effects: &effects };
+    let mut state: State<f64> = plant.at_rest(0.0);
+    state.memory[0][0] = -0.1;
+    let u = [0.6; 200];
+    for k in 0..200 {
+        plant.advance(&mut state, Drive { u: &u[..=k], ts: H, t: k as f64 * H }, 1);
+    }
+    let (t, a) = (0.2, 0.6 / 0.03);
+    assert!((state.v - a * t).abs() < 1e-9, "{}", state.v);
+    assert!((state.x - 0.5 * a * t * t).abs() < 1e-9, "{}", state.x);
+    assert!((state.memory[0][0] - (state.x - 0.1)).abs() < 1e-9);
 }

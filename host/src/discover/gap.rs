@@ -96,9 +96,10 @@ impl Gap {
     }
     /// Whether the model with the gap `after`, which has a second body more, follows the motion: the body's start, free in every
     /// segment, can follow a disturbance that no body causes, but in open loop it gains nothing. On the blind tests' calibration
-    /// cases a true body leaves at most a quarter of what is above the noise there, a false one more than .55.
+    /// cases a true body leaves at most a quarter of what is above the noise there, a false one more than .55. Where hardly
+    /// anything is above the noise, what is left is the base's own drift, and says nothing.
     pub(super) fn followed_by_bodies(&self, after: &Self) -> bool {
-        after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
+        after.open_loop < OPEN_LOOP_NOISE || after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
     }
     /// Whether with `after` the typical segment's mean square is below half of what it was, whatever became of the worst ones.
     pub(super) fn typically_halved(&self, after: &Self) -> bool {

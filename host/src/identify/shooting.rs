@@ -14,6 +14,7 @@ use rayon::prelude::*;
 mod equations;
 mod lost;
 mod mend;
+mod prior;
 mod warm_up;
 
 pub use super::candidate::{Candidate, Free};
@@ -29,11 +30,6 @@ const LEAST_SAMPLES: f64 = 4.0;
 /// Longest sub-step, s. Reversals within longer ones cost more than the data's noise: at 10 ms, b of a relay recording
 /// comes out 3e-4 low, six of its standard errors.
 const STEP_S: f64 = 1e-3;
-
-/// Noise deviations by which a second body's position is expected to differ from what the motion before the segment says
-/// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its
-/// velocity, by a tenth of that per sample, the slope of the smoothing's local cubic.
-const MEMORY_DEVIATIONS: f64 = 10.0;
 
 /// Step of the sensor's numerical slope, position units.
 const SENSOR_STEP: f64 = 1e-6;

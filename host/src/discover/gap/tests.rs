@@ -227,6 +227,14 @@ fn a_second_body_follows_in_open_loop() {
     assert!(!after(5.0) && !after(5.01) && !after(9.0));
 }
 
+/// Where less than twice the noise is left, that is the base's own drift and says nothing of a body.
+#[test]
+fn a_weak_second_body_is_not_judged_in_open_loop() {
+    let before = Gap { open_loop: 2.1, ..BEFORE };
+    let after = |open_loop| before.followed_by_bodies(&Gap { open_loop, ..before });
+    assert!(after(1.99) && !after(2.0) && !after(2.1));
+}
+
 /// Bodies explain a gap that is real, down to the noise, and to less than twice the noise in open loop.
 #[test]
 fn bodies_explain_what_closes_in_open_loop() {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{MEMORY_DEVIATIONS, Problem, Segment, Start};
+use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
 
 /// Normal equations of the parameters, the initial states eliminated.
@@ -69,37 +69,6 @@ impl<const N: usize> Sums<N> {
     pub(super) fn finished(mut self, m: usize) -> (DMatrix<f64>, DVector<f64>) {
         self.sum();
         (DMatrix::from_fn(m, m, |i, j| self.hessian[i][j]), DVector::from_fn(m, |i, _| self.gradient[i]))
-    }
-}
-
-/// Nats that the start of a body within a gap may cost at the most: one that was lost among impacts may be anywhere.
-const LOST: f64 = 12.0;
-
-/// How far a second body's start may be from what the motion before says.
-#[derive(Clone, Copy)]
-struct Prior {
-    /// Standard deviations of position and velocity.
-    deviations: [f64; 2],
-    /// Nats that any start costs at the most.
-    most: f64,
-}
-
-impl Prior {
-    /// Half the square of a start in its deviations.
-    fn surprise(&self, start: Start) -> f64 {
-        0.5 * ((start[2] / self.deviations[0]).powi(2) + (start[3] / self.deviations[1]).powi(2))
-    }
-
-    /// Minus its logarithm.
-    fn cost(&self, start: Start) -> f64 {
-        let surprise = self.surprise(start);
-        surprise / (1.0 + surprise / self.most)
-    }
-
-    /// What the precisions of position and velocity are at a start.
-    fn precisions(&self, start: Start) -> [f64; 2] {
-        let slope = (1.0 + self.surprise(start) / self.most).powi(-2);
-        self.deviations.map(|deviation| slope / (deviation * deviation))
     }
 }
 
@@ -175,24 +144,6 @@ impl Problem<'_> {
             reduced.eliminated.push((inverse, cross, local_gradient));
         }
         Some(reduced)
-    }
-
-    fn prior(&self, candidate: &Candidate) -> Prior {
-        let position = MEMORY_DEVIATIONS * self.sigma;
-        let within_a_gap = candidate.effects.iter().any(|effect| effect.kind.gap().is_some());
-        Prior {
-            deviations: [position, position * 0.1 / self.tracks[0].ts],
-            most: if within_a_gap { LOST } else { f64::INFINITY },
-        }
-    }
-
-    /// Minus the log prior of the second bodies' starts.
-    pub(super) fn memory_cost(&self, states: &[Start], candidate: &Candidate) -> f64 {
-        if candidate.local() < 4 {
-            return 0.0;
-        }
-        let prior = self.prior(candidate);
-        states.iter().map(|start| prior.cost(*start)).sum()
     }
 
     /// Root mean square of the measured velocity.

@@ -1,0 +1,61 @@
+//! What is known beforehand of a second body's start: it is near where the motion before the segment leaves it, unless that motion
+//! is one of impacts.
+
+use super::{Problem, Start};
+use crate::identify::candidate::Candidate;
+
+/// Noise deviations by which a second body's position is expected to differ from what the motion before the segment says
+/// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its
+/// velocity, by a tenth of that per sample, the slope of the smoothing's local cubic.
+const MEMORY_DEVIATIONS: f64 = 10.0;
+
+/// Nats that the start of a body within a gap may cost at the most: one that was lost among impacts may be anywhere.
+const LOST: f64 = 12.0;
+
+/// How far a second body's start may be from what the motion before says.
+#[derive(Clone, Copy)]
+pub(super) struct Prior {
+    /// Standard deviations of position and velocity.
+    deviations: [f64; 2],
+    /// Nats that any start costs at the most.
+    most: f64,
+}
+
+impl Prior {
+    /// Half the square of a start in its deviations.
+    fn surprise(&self, start: Start) -> f64 {
+        0.5 * ((start[2] / self.deviations[0]).powi(2) + (start[3] / self.deviations[1]).powi(2))
+    }
+
+    /// Minus its logarithm.
+    fn cost(&self, start: Start) -> f64 {
+        let surprise = self.surprise(start);
+        surprise / (1.0 + surprise / self.most)
+    }
+
+    /// What the precisions of position and velocity are at a start.
+    pub(super) fn precisions(&self, start: Start) -> [f64; 2] {
+        let slope = (1.0 + self.surprise(start) / self.most).powi(-2);
+        self.deviations.map(|deviation| slope / (deviation * deviation))
+    }
+}
+
+impl Problem<'_> {
+    pub(super) fn prior(&self, candidate: &Candidate) -> Prior {
+        let position = MEMORY_DEVIATIONS * self.sigma;
+        let within_a_gap = candidate.effects.iter().any(|effect| effect.kind.gap().is_some());
+        Prior {
+            deviations: [position, position * 0.1 / self.tracks[0].ts],
+            most: if within_a_gap { LOST } else { f64::INFINITY },
+        }
+    }
+
+    /// Minus the log prior of the second bodies' starts.
+    pub(super) fn memory_cost(&self, states: &[Start], candidate: &Candidate) -> f64 {
+        if candidate.local() < 4 {
+            return 0.0;
+        }
+        let prior = self.prior(candidate);
+        states.iter().map(|start| prior.cost(*start)).sum()
+    }
+}
