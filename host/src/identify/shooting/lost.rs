@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 
 use breakaway_core::plant::{Plant, State};
 
-use super::mend::{CAUGHT, Nearest};
+use super::mend::CAUGHT;
 use super::warm_up::placed;
-use super::{Problem, Segment};
+use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
 
 /// Positions tried over the gap to either side, and velocities up to twice the segment's typical speed to either side.
@@ -16,41 +16,61 @@ const WIDE: i32 = 4;
 const CLOSER: usize = 3;
 const NARROW: i32 = 2;
 
-impl Problem<'_> {
-    /// Seeks a second body all over its gap, the motor's own start as it is in `nearest`.
-    pub(super) fn find_lost(&self, candidate: &Candidate, segment: Segment, warm: &State<f64>, nearest: &mut Nearest) {
-        let mut effects = candidate.effects.iter().zip(&warm.memory);
+/// Starts of a segment, tried by simulation: the best is kept.
+pub(super) struct Trials<'a> {
+    problem: &'a Problem<'a>,
+    plant: Plant<'a, f64>,
+    segment: Segment,
+    /// What the motion before leaves.
+    warm: State<f64>,
+    /// Mean square that the best start leaves; infinite as long as none was tried.
+    pub(super) mse: f64,
+    /// The best start.
+    pub(super) start: Start,
+}
+
+impl<'a> Trials<'a> {
+    pub(super) fn new(problem: &'a Problem<'a>, candidate: &'a Candidate, segment: Segment, start: Start) -> Self {
+        let plant = Plant { base: candidate.base, effects: &candidate.effects };
+        let warm = problem.warm_state(&plant, segment);
+        Self { problem, plant, segment, warm, mse: f64::INFINITY, start }
+    }
+
+    /// Tries a start; its simulation ends where it is no better than the best.
+    pub(super) fn run(&mut self, start: Start) {
+        let track = &self.problem.tracks[self.segment.track];
+        let most = self.mse * self.segment.len as f64;
+        let steps = self.problem.sub_steps(&self.plant, self.segment);
+        let mut square = 0.0;
+        let state = placed(&self.plant, &self.warm, start);
+        self.problem.simulate_from(&self.plant, steps, self.segment, state, |k, x| {
+            square += (track.weight(k) * (track.x[k] - x)).powi(2);
+            if square < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        if square < most {
+            (self.mse, self.start) = (square / self.segment.len as f64, start);
+        }
+    }
+
+    /// Seeks a second body all over its gap, the motor's own start as it is.
+    pub(super) fn find_lost(&mut self) {
+        let mut effects = self.plant.effects.iter().zip(&self.warm.memory);
         let Some((effect, said)) = effects.find(|(effect, _)| effect.kind.free_memory() > 0) else { return };
         let Some(gap) = effect.kind.gap().map(|i| effect.p[i]) else { return };
-        if nearest.mse < CAUGHT * self.floor() {
+        if self.mse < CAUGHT * self.problem.floor() {
             return;
         }
-        let plant = Plant { base: candidate.base, effects: &candidate.effects };
-        let [x, v, ..] = nearest.start;
-        let mut step = [0.5 * gap / f64::from(WIDE), 2.0 * self.typical_speed(segment) / f64::from(WIDE)];
+        let [x, v, ..] = self.start;
+        let fastest = 2.0 * self.problem.typical_speed(self.segment);
+        let mut step = [0.5 * gap, fastest].map(|most| most / f64::from(WIDE));
         let mut about = [x - said[0], -said[1]];
         for round in 0..=CLOSER {
             let wide = if round == 0 { WIDE } else { NARROW };
             for (i, k) in (-wide..=wide).flat_map(|i| (-wide..=wide).map(move |k| (i, k))) {
-                let start = [x, v, about[0] + f64::from(i) * step[0], about[1] + f64::from(k) * step[1]];
-                if let Some(mse) = self.below(nearest.mse, &plant, segment, placed(&plant, warm, start)) {
-                    *nearest = Nearest { mse, start };
-                }
+                self.run([x, v, about[0] + f64::from(i) * step[0], about[1] + f64::from(k) * step[1]]);
             }
-            about = [nearest.start[2], nearest.start[3]];
+            about = [self.start[2], self.start[3]];
             step = step.map(|step| step / 3.0);
         }
-    }
-
-    /// The mean square of a segment from a state, if it is below `bound`.
-    pub(super) fn below(&self, bound: f64, plant: &Plant<'_, f64>, segment: Segment, state: State<f64>) -> Option<f64> {
-        let track = &self.tracks[segment.track];
-        let most = bound * segment.len as f64;
-        let mut square = 0.0;
-        self.simulate_from(plant, self.sub_steps(plant, segment), segment, state, |k, x| {
-            square += (track.weight(k) * (track.x[k] - x)).powi(2);
-            if square < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        });
-        (square < most).then(|| square / segment.len as f64)
     }
 }

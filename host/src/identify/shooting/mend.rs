@@ -1,10 +1,9 @@
 //! Segments whose start is caught: a body that the first samples stop tells nothing of how fast it came, so that no step
 //! of the fit frees it, while the measured one went on.
 
-use breakaway_core::plant::Plant;
 use rayon::prelude::*;
 
-use super::warm_up::placed;
+use super::lost::Trials;
 use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
 use crate::identify::track::{HALF_WIDTH_S, median};
@@ -24,12 +23,6 @@ const SLOPE_DEVIATIONS: f64 = 0.945;
 const STEPS: usize = 3;
 /// Share of its mean square that a start must lose to be taken in exchange.
 const WORTH: f64 = 0.8;
-
-/// The best start found, and what it leaves of the segment.
-pub(super) struct Nearest {
-    pub(super) mse: f64,
-    pub(super) start: Start,
-}
 
 impl Problem<'_> {
     /// Starts caught segments anew, from velocities all about the smoothed one. Whether any was exchanged.
@@ -51,34 +44,26 @@ impl Problem<'_> {
 
     /// A start from which the segment's mean square is well below `mse`.
     fn freed(&self, candidate: &Candidate, segment: Segment, old: Start, smoothed: Start, mse: f64) -> Option<Start> {
-        let plant = Plant { base: candidate.base, effects: &candidate.effects };
-        let warm = self.warm_state(&plant, segment);
-        let mut nearest = Nearest { mse: f64::INFINITY, start: old };
+        let mut trials = Trials::new(self, candidate, segment, old);
         let deviation = SLOPE_DEVIATIONS * self.sigma / HALF_WIDTH_S;
-        let run = |start: Start, nearest: &mut Nearest| {
-            if let Some(mse) = self.below(nearest.mse, &plant, segment, placed(&plant, &warm, start)) {
-                *nearest = Nearest { mse, start };
-            }
-        };
-        for memory in [[old[2], old[3]], [0.0; 2]] {
+        let [x, v, ..] = smoothed;
+        let forgotten = Some([0.0; 2]).filter(|forgotten| old[2..] != *forgotten);
+        for [y, w] in [Some([old[2], old[3]]), forgotten].into_iter().flatten() {
             for k in VELOCITIES {
-                run([smoothed[0], smoothed[1] + k * deviation, memory[0], memory[1]], &mut nearest);
-            }
-            if memory == [0.0; 2] {
-                break;
+                trials.run([x, v + k * deviation, y, w]);
             }
         }
         for share in FINER {
-            let [x, v, y, w] = nearest.start;
+            let [x, v, y, w] = trials.start;
             for k in [-share, share] {
-                run([x, v + k * deviation, y, w], &mut nearest);
+                trials.run([x, v + k * deviation, y, w]);
             }
         }
-        self.find_lost(candidate, segment, &warm, &mut nearest);
-        if nearest.mse.is_infinite() {
+        trials.find_lost();
+        if trials.mse.is_infinite() {
             return None;
         }
-        let mut best = nearest.start;
+        let mut best = trials.start;
         let mut normal = self.normal_any(candidate, &[], segment, best);
         for _ in 0..STEPS {
             let Some(next) = self.start_step(candidate, &normal, (segment, best), 0, 1e-3) else { break };
