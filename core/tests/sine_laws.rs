@@ -67,7 +67,8 @@ fn in_f64_and_f32(record: &Counts, seed: u64) -> (SineFit<f64>, SineFit<f32>) {
 
 /// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth but in one
 /// of a hundred: there the harmonic leaves next to nothing between the blocks, the two sources of the noise disagree, and
-/// rounding decides what each counts. In 1 500 others 11 were off by more, and the worst by 3.6 %.
+/// the rounding of what the blocks do not see of the sine decides what each counts. In 1 500 others 11 were off by more, and the
+/// worst by 3.6 %.
 #[test]
 fn standard_errors_in_f32_are_those_of_f64() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);

@@ -175,6 +175,31 @@ fn without_an_offset_nothing_is_subtracted() {
     assert!(fit_fixed(times, 1.0, PLAIN).is_err());
 }
 
+/// A record of whole cycles with nothing at the frequency asked for is one of no sine; a part in 1e12 of it is one.
+#[test]
+fn nothing_at_the_frequency_is_no_sine() {
+    let n = 120;
+    let angle = |cycles: f64, i: i32| cycles * TAU * f64::from(i) / f64::from(n);
+    let fit = |part: f64, model| {
+        let y: Vec<f64> = (0..n).map(|i| (angle(5.0, i) + 0.3).sin() + part * (angle(3.0, i) + 0.7).sin()).collect();
+        fit_fixed(even(&y, 0.0, TS), 3.0 * TAU / (f64::from(n) * TS), model)
+    };
+    for model in [PLAIN, SineModel { offset: false, ..PLAIN }] {
+        assert_eq!(fit(0.0, model), Err(SineError::ZeroSignal));
+        let found = fit(1e-12, model).unwrap().amplitude;
+        assert!((found / 1e-12 - 1.0).abs() < 0.01, "{found}");
+    }
+}
+
+/// A square wave of the largest numbers has a sine 4/π as large, which is none.
+#[test]
+fn a_result_beyond_the_numbers_is_refused() {
+    let square = |size: f64| -> Vec<f64> { (0..200).map(|i| if i % 40 < 20 { size } else { -size }).collect() };
+    let fit = |size: f64| fit_fixed(even(&square(size), 0.0, TS), TAU / (40.0 * TS), PLAIN);
+    assert!((fit(1e308).unwrap().amplitude / 1e308 * PI / 4.0 - 1.0).abs() < 0.01);
+    assert_eq!(fit(1.7e308), Err(SineError::NotFinite));
+}
+
 /// var A = 2σ²/N, var ω = 24σ²/(A²Ts²N(N²−1)), var θ = 2σ²/(A²N), var d = σ²/N: 100 samples, σ/A = 1/20.
 #[test]
 fn the_closed_form_of_the_bound() {

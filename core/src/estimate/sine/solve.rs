@@ -337,6 +337,10 @@ impl<R: SolverReal> Noise<R> {
     /// Their mean by inverse variance. The product of noise and hidden model is not known from the sums, so with a
     /// hidden power H the variance of `within` is 2σ⁴n + 4σ²H instead of 2σ⁴n: at 60 dB and ω0 off by 3 % it would be
     /// worth nothing, and the blocks' residual alone is left.
+    ///
+    /// Where harmonics make `within` thousands of times `between`, the result hangs on the weight, `between`/H. In f32, H errs
+    /// by 1e-7 of the record's power (measured: 4.75e-3 for 4.51e-3 of 2918, standard errors 0.8 % off), and `between` by
+    /// 0.7 % where the residual is 3e-5 of the signal (5.03e-6 for 4.99e-6 of 5617): its rows are differences, too.
     fn variance(&self) -> R {
         let between = self.between / self.between_freedom;
         let n = self.within_freedom;
