@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::data::{Data, FIT_SEGMENT_S};
 use super::ranking::special_case;
-use super::refit::{FINAL_ITERATIONS, finish, in_whole_waves, polished, without_wave_number};
+use super::refit::{FINAL_ITERATIONS, begun, finish, in_whole_waves, polished, without_wave_number};
 use super::screen::{Screen, Start};
 use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
 use crate::identify::track::median;
@@ -145,7 +145,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         .with_max_len(1)
         .map(|&kind| match excluded(kind, &current.candidate, rotary) {
             Some(reason) => (kind, Err(reason.to_owned())),
-            None => (kind, first_heat(&heat, screen, kind)),
+            None => (kind, first_heat(&heat, screen, kind).and_then(|fit| begun(&softened, fit))),
         })
         .collect();
     let without = heat.current.cost;

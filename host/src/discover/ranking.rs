@@ -33,11 +33,13 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usi
     order
 }
 
-/// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first.
+/// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first; one with a second
+/// body, whose start is free in every segment, only where all have one.
 fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
     let best = fits.first()?;
     let as_good = fits.iter().enumerate().filter(|(_, fit)| as_good(data, fit, best));
-    as_good.min_by_key(|(rank, fit)| (fit.free.len(), *rank)).map(|(rank, _)| rank)
+    let bodies = |fit: &Fit| fit.candidate.effects.iter().any(|effect| effect.kind.free_memory() == 2);
+    as_good.min_by_key(|(rank, fit)| (bodies(fit), fit.free.len(), *rank)).map(|(rank, _)| rank)
 }
 
 /// Whether `fit` is tied with `best`, whose cost is lower, or pays for having fewer parameters.

@@ -31,9 +31,6 @@ const LEAST_BODY: f64 = 0.02;
 
 /// Over all segments to convergence.
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
-    // Bristles that took the share of an effect which was missing are too long until it is there: only the new ones count yet.
-    let new = start.candidate.effects.len().saturating_sub(1)..;
-    resolved(data, &start.candidate, &start.candidate.effects[new])?;
     let problem = data.problem();
     // Bristles take many sub-steps: most of the way with half of them.
     let slow = start.candidate.effects.iter().any(|effect| effect.kind.bristles());
@@ -53,17 +50,30 @@ pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
     Ok(fit)
 }
 
+/// As it comes out of the first heat, where it may not set a mark for the others if it is refused.
+pub(super) fn begun(data: &Data, fit: Fit) -> Result<Fit, String> {
+    // Bristles that took the share of an effect which was missing are too long until it is there: only the new ones count yet.
+    let new = fit.candidate.effects.len().saturating_sub(1)..;
+    resolved(data, &fit.candidate, &fit.candidate.effects[new])?;
+    Ok(fit)
+}
+
 fn cost(fit: &Result<Fit, FitError>) -> f64 {
     fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost)
 }
 
 /// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's; bristles so long
-/// that they never let go, which are a spring whose rest every segment chooses for itself; and bodies so light that only
-/// their start, free in every segment, is left of them.
+/// that they never let go, which are a spring whose rest every segment chooses for itself; bodies so light that only
+/// their start, free in every segment, is left of them; and inertia or friction that no drive of the recordings
+/// overcomes, beside which only the starts move anything.
 fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Result<(), String> {
     let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
         return Err("became faster than the recordings resolve".to_owned());
+    }
+    let (base, largest) = (candidate.base, data.problem().largest_base());
+    if base.b >= largest.b || base.c >= largest.c || base.f1 >= largest.f1 {
+        return Err("its inertia or friction became larger than any drive of the recordings moves".to_owned());
     }
     let softest = candidate.base.f1 / stroke(data);
     let soft = |effect: &Effect<f64>| {

@@ -72,6 +72,14 @@ impl Free {
         }
     }
 
+    /// That parameter of the largest base; infinite of an effect's.
+    pub(super) fn largest(self, base: &Base<f64>) -> f64 {
+        match self {
+            Self::Base(i) => [base.b, base.c, base.f1][i.min(2)],
+            Self::Effect(..) => f64::INFINITY,
+        }
+    }
+
     /// Strictly positive parameters are stepped by ratio.
     pub(super) fn logarithmic(self, candidate: &Candidate) -> bool {
         self.range(candidate).0 > 0.0

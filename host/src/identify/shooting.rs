@@ -41,6 +41,11 @@ const JUMP: f64 = 1.3;
 /// follow the fit, so one small step may be a narrow valley's.
 const ENOUGH: f64 = 2e-4;
 
+/// Forces of inertia and viscous friction at typical acceleration and speed, and of Coulomb friction, in a fit, as multiples of the
+/// largest drive, at the most. Where an effect that is not in the model moves the axis to and fro, all three would grow beyond
+/// all bounds together: motion that no drive has to do with.
+const MOST_FORCE: f64 = 3.0;
+
 /// Iterations of a start on its own, the model held.
 pub const SCORE_ITERATIONS: usize = 6;
 
@@ -313,6 +318,17 @@ impl Problem<'_> {
         Ok(if again.cost < fit.cost { again } else { fit })
     }
 
+    /// The largest base that a fit can come to.
+    pub fn largest_base(&self) -> Base<f64> {
+        let most = |of: fn(&Track) -> f64| self.tracks.iter().map(of).fold(0.0, f64::max);
+        let force = MOST_FORCE * most(|track| track.largest_drive);
+        Base {
+            b: force / most(|track| track.typical_acceleration),
+            c: force / most(|track| track.typical_speed),
+            f1: force,
+        }
+    }
+
     fn normals(&self, candidate: &Candidate, free: &[Free], states: &[Start]) -> Vec<Normal> {
         let segments = self.segments.par_iter().zip(states).with_min_len(8);
         segments.map(|(segment, start)| self.normal_any(candidate, free, *segment, *start)).collect()
@@ -342,6 +358,7 @@ impl Problem<'_> {
         if free.len() > 16 {
             return Err(FitError::TooMany(free.len()));
         }
+        let largest = self.largest_base();
         let mut candidate = start.clone();
         let mut states = initial.map_or_else(|| self.smoothed_initial(&candidate), <[_]>::to_vec);
         let mut normals = self.normals(&candidate, free, &states);
@@ -366,7 +383,7 @@ impl Problem<'_> {
                 } else {
                     value + delta
                 };
-                parameter.set(&mut next, new);
+                parameter.set(&mut next, new.min(parameter.largest(&largest)));
             }
             let next_states: Vec<Start> =
                 states.iter().zip(&local).map(|(s, d)| std::array::from_fn(|i| s[i] + d[i])).collect();

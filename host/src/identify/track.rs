@@ -9,6 +9,8 @@ const MIN_HALF_SAMPLES: usize = 4;
 /// A clock is not believed of which an interval is off the median one by more than this share: then others may be by less
 /// than its stamps tell.
 const IRREGULAR: f64 = 0.3;
+/// Interval over which the typical acceleration is taken, s: long enough that the noise does not count.
+const ACCELERATION_S: f64 = 0.1;
 /// Share of the largest position below which residuals are the rounding of numbers.
 const ROUNDING: f64 = 1e-10;
 /// Classes of speed in which a jittered clock's noise is looked at.
@@ -24,6 +26,12 @@ pub struct Track {
     pub t: Vec<f64>,
     /// Applied drive, held from sample to sample.
     pub u: Vec<f64>,
+    /// Largest size of the drive.
+    pub largest_drive: f64,
+    /// Root mean square of the smoothed velocity.
+    pub typical_speed: f64,
+    /// Root mean square of its change over 0.1 s, per second.
+    pub typical_acceleration: f64,
     /// Measured position.
     pub x: Vec<f64>,
     /// Smoothed position.
@@ -86,6 +94,11 @@ fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)
     (rest > 0.0 && square * fastest > rest).then(|| (rest.sqrt(), square.sqrt()))
 }
 
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (square, n) = values.fold((0.0, 0), |(square, n), value| (square + value * value, n + 1));
+    (square / f64::from(n.max(1))).sqrt()
+}
+
 /// Median of a set of numbers; 0 if there are none.
 pub fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
@@ -111,6 +124,9 @@ impl Track {
             name: recording.name.clone(),
             t: recording.t.clone(),
             u: recording.u.clone(),
+            largest_drive: recording.u.iter().fold(0.0, |most, u| u.abs().max(most)),
+            typical_speed: 0.0,
+            typical_acceleration: 0.0,
             x: recording.x.clone(),
             xs: recording.x.clone(),
             vs: vec![0.0; n],
@@ -125,6 +141,14 @@ impl Track {
         for piece in track.pieces.clone().windows(2) {
             track.smooth(piece[0], piece[1], half, &mut residuals);
         }
+        let apart = ((ACCELERATION_S / ts).round() as usize).max(1);
+        let change = track
+            .vs
+            .iter()
+            .zip(track.vs.get(apart..).unwrap_or_default())
+            .map(|(from, to)| (to - from) / (apart as f64 * ts));
+        track.typical_acceleration = root_mean_square(change);
+        track.typical_speed = root_mean_square(track.vs.iter().copied());
         let least = recording.encoder_step.unwrap_or(0.0) * 0.05;
         track.sigma = noise(&residuals, &track.vs, half).max(least);
         let regular = intervals.iter().all(|dt| (dt / ts - 1.0).abs() < IRREGULAR);

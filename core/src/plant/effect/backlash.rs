@@ -27,13 +27,23 @@ impl Law for Backlash {
     const FREE_MEMORY: usize = 2;
     const GAP: Option<usize> = Some(0);
 
-    // memory: load position y, load velocity w. A load that is pushed is hit in every sub-step, by what the motor gained on it.
-    fn inertia<R: Real>(p: &[R], _t: R, _memory: &Memory<R>) -> R {
-        R::ONE - p[1]
+    // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side).
+    fn inertia<R: Real>(p: &[R], _t: R, memory: &Memory<R>) -> R {
+        if memory[2] == R::ZERO { R::ONE - p[1] } else { R::ONE }
     }
 
     fn impact<R: Real>(p: &[R], x: &mut R, v: &mut R, memory: &mut Memory<R>, h: f64) {
         let half_gap = p[0].scale(0.5);
+        let side = memory[2];
+        if side != R::ZERO {
+            // The load coasts (it has no friction of its own): contact is lost as soon as the motor falls behind.
+            if (*v - memory[1]) * side >= R::ZERO {
+                memory[1] = *v;
+                memory[0] = *x - half_gap * side;
+                return;
+            }
+            memory[2] = R::ZERO;
+        }
         memory[0] += memory[1].scale(h);
         let offset = *x - memory[0];
         if offset.abs() < half_gap {
@@ -55,6 +65,16 @@ impl Law for Backlash {
         *v = after;
         memory[1] = common + (R::ONE - p[1]) * rebound;
         memory[0] = *x - half_gap * side + (memory[1] - after) * late;
+        memory[2] = side;
+    }
+
+    fn displaced<R: Real>(p: &[R], x: R, more: [R; 2], memory: &mut Memory<R>) {
+        memory[0] += more[0];
+        memory[1] += more[1];
+        // Well off the face it is not pushed.
+        if (x - memory[0]) * memory[2] < p[0].scale(0.49) {
+            memory[2] = R::ZERO;
+        }
     }
 
     fn at_rest<R: Real>(_p: &[R], x: R) -> Memory<R> {

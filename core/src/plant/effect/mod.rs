@@ -111,6 +111,12 @@ pub trait Law {
     fn at_rest<R: Real>(_p: &[R], _x: R) -> Memory<R> {
         [R::ZERO; 3]
     }
+    /// M: the memory at the start of a segment, where the motor is at `x` and the free memory is `more` than what the motion
+    /// before says.
+    fn displaced<R: Real>(_p: &[R], _x: R, more: [R; 2], memory: &mut Memory<R>) {
+        memory[0] += more[0];
+        memory[1] += more[1];
+    }
     /// S: added to the position that the sensor reports.
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
         R::ZERO
@@ -238,6 +244,10 @@ macro_rules! catalogue {
             /// See [`Law::at_rest`].
             pub fn at_rest(&self, x: R) -> Memory<R> {
                 match self.kind { $(Kind::$law => $law::at_rest(&self.p, x),)* }
+            }
+            /// See [`Law::displaced`].
+            pub fn displaced(&self, x: R, more: [R; 2], memory: &mut Memory<R>) {
+                match self.kind { $(Kind::$law => $law::displaced(&self.p, x, more, memory),)* }
             }
             /// See [`Law::sensor`].
             #[inline]

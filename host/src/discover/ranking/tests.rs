@@ -93,6 +93,18 @@ fn better_is_by_most_segments_or_beyond_doubt() {
     assert!(better(1.3, 107.1, 2) && !better(1.3, 107.0, 2) && !better(1.2, 107.1, 2));
 }
 
+/// A second body's start is free in every segment: it comes after a law that is tied with it, with more parameters or fewer, and
+/// first where nothing is.
+#[test]
+fn a_second_body_is_not_preferred_where_another_law_does_as_well() {
+    let first = |all: &[Tried]| all[preference(&data(), &current(), all)[0]].kind;
+    let body = || tried(Kind::Backlash, 0.300, 0.3);
+    assert_eq!(first(&[body(), tried(Kind::LuGre, 0.295, 0.2)]), Kind::LuGre);
+    assert_eq!(first(&[body(), tried(Kind::Dahl, 0.295, 0.2)]), Kind::Dahl);
+    assert_eq!(first(&[body(), tried(Kind::LuGre, 0.100, 0.3)]), Kind::Backlash);
+    assert_eq!(first(&[body(), tried(Kind::FlexibleCoupling, 0.295, 0.2)]), Kind::Backlash);
+}
+
 /// Of those tied with the best the simplest comes first; the others keep the order of their costs; what has no evidence is left
 /// out, and no more than four are considered.
 #[test]

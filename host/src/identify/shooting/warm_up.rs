@@ -37,9 +37,8 @@ pub(super) fn placed<R: Real>(plant: &Plant<'_, R>, warm: &State<R>, start: [R; 
     let [x, v, y, w] = start;
     let mut memory = warm.memory;
     let mut remembering = plant.effects.iter().zip(memory.iter_mut());
-    if let Some((_, memory)) = remembering.find(|(effect, _)| effect.kind.free_memory() > 0) {
-        memory[0] += y;
-        memory[1] += w;
+    if let Some((effect, memory)) = remembering.find(|(effect, _)| effect.kind.free_memory() > 0) {
+        effect.displaced(x, [y, w], memory);
     }
     State { x, v, memory }
 }
