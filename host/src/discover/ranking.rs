@@ -34,18 +34,23 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usi
 }
 
 /// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first; one with a second
-/// body, whose start is free in every segment, only where all have one.
+/// body only where all have one.
 fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
     let best = fits.first()?;
     let as_good = fits.iter().enumerate().filter(|(_, fit)| as_good(data, fit, best));
-    let bodies = |fit: &Fit| fit.candidate.effects.iter().any(|effect| effect.kind.free_memory() == 2);
-    as_good.min_by_key(|(rank, fit)| (bodies(fit), fit.free.len(), *rank)).map(|(rank, _)| rank)
+    as_good.min_by_key(|(rank, fit)| (has_body(fit), fit.free.len(), *rank)).map(|(rank, _)| rank)
 }
 
-/// Whether `fit` is tied with `best`, whose cost is lower, or pays for having fewer parameters.
+fn has_body(fit: &Fit) -> bool {
+    fit.candidate.effects.iter().any(|effect| effect.kind.free_memory() == 2)
+}
+
+/// Whether `fit` is tied with `best`, whose cost is lower, or pays for having fewer parameters: a second body's start is free in
+/// every segment, position and velocity, each worth half a nat where no body is.
 fn as_good(data: &Data, fit: &Fit, best: &Fit) -> bool {
     let against = paired(&fit.mse, &best.mse, &best.samples, data.floor());
-    !better(&against, best.free.len().saturating_sub(fit.free.len()))
+    let starts = if has_body(best) && !has_body(fit) { best.mse.len() } else { 0 };
+    !better(&against, best.free.len().saturating_sub(fit.free.len())) || against.lambda < starts as f64
 }
 
 /// Whether paired evidence separates two models that differ by `extra` parameters: by most segments, or, where a few tell

@@ -94,15 +94,17 @@ fn better_is_by_most_segments_or_beyond_doubt() {
 }
 
 /// A second body's start is free in every segment: it comes after a law that is tied with it, with more parameters or fewer, and
-/// first where nothing is.
+/// after one that is behind by less than a nat for each of the fifty segments. Among bodies the order is as of others.
 #[test]
 fn a_second_body_is_not_preferred_where_another_law_does_as_well() {
     let first = |all: &[Tried]| all[preference(&data(), &current(), all)[0]].kind;
     let body = || tried(Kind::Backlash, 0.300, 0.3);
     assert_eq!(first(&[body(), tried(Kind::LuGre, 0.295, 0.2)]), Kind::LuGre);
     assert_eq!(first(&[body(), tried(Kind::Dahl, 0.295, 0.2)]), Kind::Dahl);
-    assert_eq!(first(&[body(), tried(Kind::LuGre, 0.100, 0.3)]), Kind::Backlash);
-    assert_eq!(first(&[body(), tried(Kind::FlexibleCoupling, 0.295, 0.2)]), Kind::Backlash);
+    // Behind in every segment alike, by 43 and 53 nats.
+    assert_eq!(first(&[body(), tried(Kind::LuGre, 0.210, 0.3)]), Kind::LuGre);
+    assert_eq!(first(&[body(), tried(Kind::LuGre, 0.190, 0.3)]), Kind::Backlash);
+    assert_eq!(first(&[body(), tried(Kind::FlexibleCoupling, 0.210, 0.3)]), Kind::Backlash);
 }
 
 /// Of those tied with the best the simplest comes first; the others keep the order of their costs; what has no evidence is left
