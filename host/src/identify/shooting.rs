@@ -11,6 +11,7 @@ use breakaway_core::scalar::Real;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+mod bounds;
 mod equations;
 mod lost;
 mod mend;
@@ -40,11 +41,6 @@ const JUMP: f64 = 1.3;
 /// Two steps in a row that gain less than this share of what all steps gained end the fit: the weights of the segments
 /// follow the fit, so one small step may be a narrow valley's.
 const ENOUGH: f64 = 2e-4;
-
-/// Forces of inertia and viscous friction at typical acceleration and speed, and of Coulomb friction, in a fit, as multiples of the
-/// largest drive, at the most. Where an effect that is not in the model moves the axis to and fro, all three would grow beyond
-/// all bounds together: motion that no drive has to do with.
-const MOST_FORCE: f64 = 3.0;
 
 /// Iterations of a start on its own, the model held.
 pub const SCORE_ITERATIONS: usize = 6;
@@ -316,17 +312,6 @@ impl Problem<'_> {
         }
         let again = self.descend(&fit.candidate, free, Some(&states), iterations.div_ceil(2))?;
         Ok(if again.cost < fit.cost { again } else { fit })
-    }
-
-    /// The largest base that a fit can come to.
-    pub fn largest_base(&self) -> Base<f64> {
-        let most = |of: fn(&Track) -> f64| self.tracks.iter().map(of).fold(0.0, f64::max);
-        let force = MOST_FORCE * most(|track| track.largest_drive);
-        Base {
-            b: force / most(|track| track.typical_acceleration),
-            c: force / most(|track| track.typical_speed),
-            f1: force,
-        }
     }
 
     fn normals(&self, candidate: &Candidate, free: &[Free], states: &[Start]) -> Vec<Normal> {

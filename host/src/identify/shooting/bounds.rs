@@ -1,0 +1,24 @@
+//! How large the base can become in a fit: within what the drive of the recordings moves.
+
+use breakaway_core::plant::Base;
+
+use super::Problem;
+use crate::identify::track::Track;
+
+/// Forces of inertia and viscous friction at typical acceleration and speed, and of Coulomb friction, in a fit, as multiples of the
+/// largest drive, at the most. Where an effect that is not in the model moves the axis to and fro, all three would grow beyond
+/// all bounds together: motion that no drive has to do with.
+const MOST_FORCE: f64 = 3.0;
+
+impl Problem<'_> {
+    /// The largest base that a fit can come to.
+    pub fn largest_base(&self) -> Base<f64> {
+        let most = |of: fn(&Track) -> f64| self.tracks.iter().map(of).fold(0.0, f64::max);
+        let force = MOST_FORCE * most(|track| track.largest_drive);
+        Base {
+            b: force / most(|track| track.typical_acceleration),
+            c: force / most(|track| track.typical_speed),
+            f1: force,
+        }
+    }
+}
