@@ -66,7 +66,7 @@ fn an_impact_keeps_momentum_and_leaves_e_of_the_closing_speed() {
 }
 
 /// A load that is pushed moves as one with the motor: under a constant drive both gain u/b, the inertia of the two together, and
-/// the motor is where one body would be. Impacts in every sub-step, each exact: to rounding.
+/// the motor is where one body would be. The impact that begins it is exact: to rounding.
 #[test]
 fn a_load_that_is_pushed_is_one_body_with_the_motor() {
     let base = Base { b: 0.03_f64, c: 0.0, f1: 0.0 };

@@ -97,7 +97,8 @@ fn stiction_far_above_the_coulomb_level_is_named() {
 fn a_backlash_of_a_third_of_the_motion_is_named() {
     let (scored, _) = run(&Case::suite(803, &["backlash"], 30.0).unwrap()).unwrap();
     assert!(scored.right() && scored.parameter_error.unwrap() < 0.05, "{scored:?}");
-    // 23 times the truth's own before, 1.3 asked of the median over all effects; this one leaves about 2.6.
+    // 23 times the truth's own before, 1.3 asked of the median over all effects; this one leaves 1.7, and a gap with
+    // other impacts may leave some more.
     assert!(scored.over_truth < 5.0, "{scored:?}");
 }
 

@@ -194,7 +194,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
     let share = |fit: &Fit| (current.cost - fit.cost) / (current.cost - best);
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit
-            && (share(fit) > COMPETITIVE || (t.kind.threshold() && !t.kind.remembers()))
+            && (share(fit) > COMPETITIVE || t.kind.threshold())
         {
             *fit = polished(&data, fit.clone(), share(fit) > CONTENDING, rotary);
         }

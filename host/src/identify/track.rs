@@ -94,7 +94,8 @@ fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)
     (rest > 0.0 && square * fastest > rest).then(|| (rest.sqrt(), square.sqrt()))
 }
 
-fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+/// Root of the mean square; 0 of nothing.
+pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (square, n) = values.fold((0.0, 0), |(square, n), value| (square + value * value, n + 1));
     (square / f64::from(n.max(1))).sqrt()
 }

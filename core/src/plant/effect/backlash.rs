@@ -27,7 +27,8 @@ impl Law for Backlash {
     const FREE_MEMORY: usize = 2;
     const GAP: Option<usize> = Some(0);
 
-    // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side).
+    // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side). An impact is a contact of
+    // one sub-step at least, also where the load leaves again.
     fn inertia<R: Real>(p: &[R], _t: R, memory: &Memory<R>) -> R {
         if memory[2] == R::ZERO { R::ONE - p[1] } else { R::ONE }
     }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Problem, Segment, Start};
 use crate::identify::candidate::Candidate;
+use crate::identify::track::root_mean_square;
 
 /// Normal equations of the parameters, the initial states eliminated.
 struct Reduced {
@@ -149,7 +150,7 @@ impl Problem<'_> {
     /// Root mean square of the measured velocity.
     pub(super) fn typical_speed(&self, segment: Segment) -> f64 {
         let v = &self.tracks[segment.track].vs[segment.start..segment.start + segment.len];
-        (v.iter().map(|v| v * v).sum::<f64>() / segment.len as f64).sqrt()
+        root_mean_square(v.iter().copied())
     }
 
     /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
