@@ -83,3 +83,39 @@ fn a_load_that_is_pushed_is_one_body_with_the_motor() {
     assert!((state.x - 0.5 * a * t * t).abs() < 1e-9, "{}", state.x);
     assert!((state.memory[0][0] - (state.x - 0.1)).abs() < 1e-9);
 }
+
+/// The motion of 200 samples under a drive that passes every level of both signs.
+fn driven(effects: &[Effect<f64>]) -> f64 {
+    let plant = Plant { base: BASE, effects };
+    let u: Vec<f64> = (0..200).map(|k| 2.0 * (0.05 * f64::from(k)).sin()).collect();
+    let mut state = plant.at_rest(0.0);
+    for k in 0..u.len() {
+        plant.advance(&mut state, Drive { u: &u[..=k], ts: H, t: 10.0 + k as f64 * H }, 4);
+    }
+    state.x
+}
+
+/// The drive's path has an order of its own: in which order two effects were found makes no difference, to the bit, and none of
+/// the two is passed over (a delay reads the samples as they were recorded, so whatever acts before it would be lost).
+#[test]
+fn two_effects_of_the_drive_act_both_in_whatever_order_they_stand() {
+    let drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
+    assert_eq!(drive.len(), 6);
+    let of = |kind: Kind, size: f64| {
+        let small = |p: &breakaway_core::plant::effect::Parameter| match p.unit {
+            "s" => 0.01 * size,
+            "U·s/X" => 0.0,
+            "1/s" => 0.02 * size,
+            _ if kind == Kind::Saturation => 1.2 / size,
+            _ => 0.3 * size,
+        };
+        Effect::new(kind, &kind.definition().parameters.iter().map(small).collect::<Vec<_>>())
+    };
+    for &a in &drive {
+        for &b in drive.iter().filter(|b| **b != a) {
+            let both = driven(&[of(a, 1.0), of(b, 1.0)]);
+            assert_eq!(both.to_bits(), driven(&[of(b, 1.0), of(a, 1.0)]).to_bits(), "{} {}", a.name(), b.name());
+            assert_ne!(both, driven(&[of(a, 1.1), of(b, 1.0)]), "{} is lost beside {}", a.name(), b.name());
+        }
+    }
+}

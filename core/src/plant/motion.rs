@@ -160,10 +160,21 @@ impl<R: Real> Plant<'_, R> {
         let u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
         let mut at = Instant { t, x: state.x, v: state.v, u, over_s: h };
         let past = Held { u: drive.u, ts: drive.ts, from_s };
-        for (effect, memory) in self.remembering(&mut state.memory, ActsIn::Drive) {
-            at.u = effect.drive(&at, past, memory, h);
+        let mut next = self.next_along_the_drive(0);
+        while let Some(place) = next {
+            for (effect, memory) in self.remembering(&mut state.memory, ActsIn::Drive) {
+                if effect.kind.along_the_drive() == place {
+                    at.u = effect.drive(&at, past, memory, h);
+                }
+            }
+            next = self.next_along_the_drive(place + 1);
         }
         at.u
+    }
+
+    /// The first place on the drive's path, from `place` on, where an effect acts.
+    fn next_along_the_drive(&self, place: u8) -> Option<u8> {
+        self.acting(ActsIn::Drive).map(|effect| effect.kind.along_the_drive()).filter(|p| *p >= place).min()
     }
 
     fn level(&self, at: &Instant<R>) -> R {

@@ -3,24 +3,23 @@
 //! Two heats: all effects, from their best starts, over a part of the segments; then the leaders over all segments to
 //! convergence, with a search along parameters that gradients do not find.
 
-use breakaway_core::plant::effect::Search;
-use breakaway_core::plant::{Base, Kind};
+use breakaway_core::plant::{Effect, Kind};
 use rayon::prelude::*;
 
-use super::data::{Data, FIT_SEGMENT_S};
-use super::ranking::special_case;
-use super::refit::{FINAL_ITERATIONS, begun, finish, in_whole_waves, polished, without_wave_number};
-use super::screen::{Screen, Start};
-use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
+use super::data::Data;
+use super::decide::NAMING;
+use super::first_heat::Heat;
+use super::gap::{LEFT, mean_log};
+use super::ranking::{look_alike, special_case};
+use super::refit::{FINAL_ITERATIONS, finish, polished};
+use super::screen::Screen;
+use crate::identify::shooting::{Candidate, Fit};
 use crate::identify::track::median;
 
 /// Floor of the logarithm, as a share of the median segment's mean square: of the current model's in the first heat, and of
 /// the best effect's in the final.
 const HEAT_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
-/// One in so many segments is in the first heat, and iterations there.
-const FIRST_SHARE: usize = 3;
-const FIRST_ITERATIONS: usize = 5;
 /// Leaders that go to the final at the least, and the share of the best gain that takes further ones there.
 const LEADERS: usize = 6;
 const CLOSE: f64 = 0.7;
@@ -30,24 +29,6 @@ const COSTLY: f64 = 0.25;
 /// thresholds are searched.
 const COMPETITIVE: f64 = 0.4;
 const CONTENDING: f64 = 0.7;
-/// Starts simulated per effect, and where the screen is blind to it.
-const STARTS: usize = 4;
-const PERIODIC_STARTS: usize = 9;
-const BLIND_STARTS: usize = 24;
-/// Segments on which starts are compared, half of them those that the current model fits worst; iterations there; and
-/// how many starts go on.
-const TRIAL_SEGMENTS: usize = 14;
-const TRIAL_ITERATIONS: usize = 2;
-const TRIAL_KEPT: usize = 3;
-const PERIODIC_KEPT: usize = 5;
-/// Share of the best gain from which a whole number of waves is preferred to another.
-const AS_GOOD: f64 = 0.9;
-/// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
-const SLOW_SHARE: usize = 3;
-/// Share of the screen's amplitude from which an effect grows out of the current model; and its most, as a share of f1 for
-/// forces, or as a ratio.
-const SEED_AMPLITUDE: f64 = 0.1;
-
 /// What became of an effect of the catalogue in one round.
 #[derive(Clone, Debug)]
 pub struct Tried {
@@ -55,6 +36,8 @@ pub struct Tried {
     pub kind: Kind,
     /// Its refit over all segments, or why there is none.
     pub fit: Result<Fit, String>,
+    /// The effect as it was fitted last, whatever became of the fit.
+    pub begun: Option<Effect<f64>>,
 }
 
 impl Tried {
@@ -73,7 +56,7 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     if kind.bristles() && has(&[Kind::Dahl, Kind::LuGre]) {
         return Some("the model carries bristle friction already");
     }
-    if kind.free_memory() == 2 && current.effects.iter().any(|e| e.kind.free_memory() == 2) {
+    if kind.second_body() && current.effects.iter().any(|e| e.kind.second_body()) {
         return Some("the model carries a second body already");
     }
     if (kind == Kind::LoadFriction || kind.bristles()) && has(&[Kind::Backlash]) {
@@ -86,40 +69,6 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
         return Some("needs an angle in radians");
     }
     None
-}
-
-/// The first heat: a part of the segments, the current model refitted to it, and the few on which starts are compared.
-struct Heat<'a> {
-    data: &'a Data,
-    current: Fit,
-    segments: Vec<Segment>,
-    trial: Vec<Segment>,
-    trial_initial: Vec<shooting::Start>,
-    rotary: bool,
-}
-
-impl<'a> Heat<'a> {
-    fn new(data: &'a Data, current: &Fit, rotary: bool) -> Self {
-        // Few of the short segments hold what is looked for, and are quickly simulated: all of them.
-        let share = if data.segment_s < FIT_SEGMENT_S { 1 } else { FIRST_SHARE };
-        let step = share.min(data.fit.len().div_ceil(12).max(1));
-        let part: Vec<usize> = (0..data.fit.len()).step_by(step).collect();
-        let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
-        let initial: Vec<_> = part.iter().map(|i| current.initial[*i]).collect();
-        // Gains count from the current model's own best on these segments, or they would all be offset.
-        let current = data
-            .over(&segments)
-            .fit(&current.candidate, &current.free, Some(&initial), FIRST_ITERATIONS)
-            .unwrap_or_else(|_| current.clone());
-        let mut worst: Vec<usize> = (0..segments.len()).collect();
-        worst.sort_by(|a, b| current.mse[*b].total_cmp(&current.mse[*a]));
-        let even = segments.len().div_ceil(TRIAL_SEGMENTS / 2).max(1);
-        let mut trial: Vec<usize> = (0..segments.len()).step_by(even).collect();
-        trial
-            .extend(worst.into_iter().filter(|i| i % even != 0).take(TRIAL_SEGMENTS - trial.len().min(TRIAL_SEGMENTS)));
-        let trial_initial = trial.iter().map(|i| current.initial[*i]).collect();
-        Self { data, trial: trial.into_iter().map(|i| segments[i]).collect(), trial_initial, current, segments, rotary }
-    }
 }
 
 /// What a round of trials gives: the effects, and the current model and the data as they were judged in it.
@@ -140,14 +89,7 @@ pub struct Round {
 pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) -> Round {
     let softened = data.softened(HEAT_FLOOR * median(current.mse.clone()));
     let heat = Heat::new(&softened, current, rotary);
-    let first: Vec<(Kind, Result<Fit, String>)> = Kind::ALL
-        .par_iter()
-        .with_max_len(1)
-        .map(|&kind| match excluded(kind, &current.candidate, rotary) {
-            Some(reason) => (kind, Err(reason.to_owned())),
-            None => (kind, first_heat(&heat, screen, kind).and_then(|fit| begun(&softened, fit))),
-        })
-        .collect();
+    let first = heat.all(screen, |kind| excluded(kind, &current.candidate, rotary));
     let without = heat.current.cost;
     let mut gains: Vec<(usize, f64)> = first
         .iter()
@@ -179,6 +121,7 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
         .with_max_len(1)
         .enumerate()
         .map(|(i, (kind, fit))| {
+            let begun = fit.as_ref().ok().and_then(|fit| fit.candidate.effects.last().copied());
             let fit = fit.and_then(|fit| {
                 if finalists.contains(&i) {
                     finish(&data, &fit)
@@ -186,14 +129,23 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
                     Err(format!("gains {:.0} of {best:.0} nats in the first heat", without - fit.cost))
                 }
             });
-            Tried { kind, fit }
+            Tried { kind, fit, begun }
         })
         .collect();
     // Where nothing gains, no share is positive, and nothing is worth more work.
     let best = tried.iter().map(Tried::cost).fold(current.cost, f64::min);
     let share = |fit: &Fit| (current.cost - fit.cost) / (current.cost - best);
+    // More parameters than a law that does as well and is at the noise can only fit that; but what it may be confused with is
+    // to be shown as well as it can be.
+    let fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
+    let enough = fits.filter(|(_, fit)| fit.cost < best + NAMING.lambda && mean_log(&fit.mse, data.sigma) < LEFT);
+    let simplest = enough.map(|(kind, fit)| (fit.free.len(), kind)).min_by_key(|(parameters, _)| *parameters);
+    let idle = |kind: Kind, fit: &Fit| {
+        simplest.is_some_and(|(enough, simplest)| fit.free.len() > enough && !look_alike(simplest, kind))
+    };
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit
+            && !idle(t.kind, fit)
             && (share(fit) > COMPETITIVE || t.kind.threshold())
         {
             *fit = polished(&data, fit.clone(), share(fit) > CONTENDING, rotary);
@@ -201,120 +153,4 @@ pub fn try_all(data: &Data, current: &Fit, screen: &Screen<'_>, rotary: bool) ->
     });
     tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     Round { data, current, tried }
-}
-
-/// Starts worth a simulation: the best of the screen; where the screen does not see far (extra mechanics faster than the
-/// smoothing of the motion, thresholds), all over the grid.
-fn chosen(kind: Kind, starts: Vec<Start>, share: usize) -> Vec<Start> {
-    let most = match (blind(kind), kind.definition().periodic()) {
-        (true, _) => BLIND_STARTS,
-        (_, true) => PERIODIC_STARTS,
-        _ => STARTS,
-    };
-    let most = most.div_ceil(share);
-    let step = if blind(kind) { starts.len().div_ceil(most).max(1) } else { 1 };
-    starts.into_iter().step_by(step).take(most).collect()
-}
-
-fn blind(kind: Kind) -> bool {
-    kind.threshold() || kind.free_memory() > 0
-}
-
-fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
-    let mut reason = "the weak form gives no starting value".to_owned();
-    let problem = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.segments) };
-    let heated = |candidate: &Candidate, iterations: usize| {
-        let free = Free::all(&candidate.effects);
-        problem.fit(candidate, &free, Some(&heat.current.initial), iterations)
-    };
-    let least = |fits: Vec<Fit>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    if kind.definition().periodic() && heat.data.segment_s < FIT_SEGMENT_S {
-        return over_short_segments(heat, &problem, chosen(kind, screen.starts(kind), 1)).ok_or(reason);
-    }
-    if kind.gap().is_some() {
-        return least(through_impacts(heat, &problem, chosen(kind, screen.starts(kind), 1))).ok_or(reason);
-    }
-    let mut tries: Vec<Fit> = Vec::new();
-    let trial = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.trial) };
-    let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
-    let share = if slow { SLOW_SHARE } else { 1 };
-    for start in chosen(kind, screen.starts(kind), share) {
-        let variants = variants(&start.candidate, &heat.current.candidate.base);
-        let fits = variants.iter().map(|candidate| {
-            trial.fit(candidate, &without_wave_number(candidate), Some(&heat.trial_initial), TRIAL_ITERATIONS)
-        });
-        // One of each start goes on: what is far apart (wave numbers, thresholds) is not told apart by two steps.
-        let mut best: Option<Fit> = None;
-        for fit in fits {
-            match fit {
-                Ok(fit) if best.as_ref().is_none_or(|best| fit.cost < best.cost) => best = Some(fit),
-                Ok(_) => (),
-                Err(error) => reason = error.to_string(),
-            }
-        }
-        tries.extend(best);
-    }
-    tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
-    let kept = tries.into_iter().take(kept.div_ceil(share));
-    // A few iterations over the heat's segments part those, and the rest is for the best; but of a second body only the end
-    // tells which start leads to it.
-    let parting = if kind.free_memory() == 2 { FIRST_ITERATIONS } else { TRIAL_ITERATIONS };
-    let best = least(kept.filter_map(|fit| heated(&fit.candidate, parting).ok()).collect()).ok_or(reason)?;
-    if kind.free_memory() == 2 {
-        return Ok(best);
-    }
-    heated(&best.candidate, FIRST_ITERATIONS).map_err(|error| error.to_string())
-}
-
-/// A periodic effect over short segments, few of which hold what is looked for: a trial's would tell nothing, so all starts
-/// go to the end. Where these few lie an integer of waves apart any other number does nearly as well; along the angle of a
-/// shaft it is a whole one then.
-fn over_short_segments(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>) -> Option<Fit> {
-    let base = heat.current.candidate.base;
-    let fits: Vec<(bool, Fit)> = starts
-        .into_iter()
-        .filter_map(|start| {
-            let mut beside = Candidate { base, ..start.candidate };
-            let whole = heat.rotary && in_whole_waves(&mut beside);
-            let free = if whole { without_wave_number(&beside) } else { Free::all(&beside.effects) };
-            Some((whole, problem.fit(&beside, &free, Some(&heat.current.initial), FINAL_ITERATIONS).ok()?))
-        })
-        .collect();
-    let gain = |fit: &Fit| heat.current.cost - fit.cost;
-    let best = fits.iter().map(|(_, fit)| gain(fit)).fold(0.0, f64::max);
-    let worth = |(whole, fit): &(bool, Fit)| gain(fit) + if *whole { (1.0 - AS_GOOD) * best } else { 0.0 };
-    fits.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|(_, fit)| fit)
-}
-
-/// A body that is lost among impacts: two steps over a few segments would tell nothing, so all starts go to the end; and from
-/// the measured motion, since one that was fitted without the impacts is far from it.
-fn through_impacts(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Fit> {
-    let base = heat.current.candidate.base;
-    let fits = starts.into_iter().filter_map(|start| {
-        let beside = Candidate { base, ..start.candidate };
-        problem.fit(&beside, &Free::all(&beside.effects), None, FIRST_ITERATIONS).ok()
-    });
-    fits.collect()
-}
-
-/// The starts of one point of the screen. The weak form's base is biased where something is missing, and the current one
-/// lacks the effect: both; and the effect small beside the current base, from where a fit cannot lose.
-fn variants(start: &Candidate, base: &Base<f64>) -> Vec<Candidate> {
-    let beside = Candidate { base: *base, effects: start.effects.clone() };
-    let last = start.effects.len() - 1;
-    let parameters = start.effects[last].kind.definition().parameters;
-    let mut small = beside.clone();
-    let mut grows = false;
-    for (p, parameter) in small.effects[last].p.iter_mut().zip(parameters) {
-        if parameter.search == Search::Amplitude && parameter.default.is_none() {
-            let most = if parameter.unit == "U" { SEED_AMPLITUDE * base.f1 } else { SEED_AMPLITUDE };
-            *p *= SEED_AMPLITUDE;
-            if matches!(parameter.unit, "U" | "1") {
-                *p = p.clamp(-most, most);
-            }
-            grows = true;
-        }
-    }
-    if grows { vec![start.clone(), beside, small] } else { vec![beside] }
 }

@@ -8,7 +8,7 @@ use super::data::Data;
 use super::decide::{FURTHER, NAMING, paired};
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
-use super::ranking::{better, evidence, instead, nearest, parameters, preference, rivals, table};
+use super::ranking::{better, evidence, instead, like, nearest, parameters, preference, rivals, table};
 use super::refit;
 use super::screen::Screen;
 use crate::identify::shooting::{Covariance, Fit};
@@ -185,7 +185,7 @@ impl<'a> Chain<'a> {
         let round = self.round(fit)?;
         let best = *preference(&round.data, &round.current, &round.tried).first()?;
         let (fit, after) = self.carried_through(&round, best)?;
-        let explains = after.explained() && round.tried[best].kind.free_memory() != 2;
+        let explains = after.explained() && !round.tried[best].kind.second_body();
         explains.then_some((round, (best, fit, after)))
     }
 
@@ -195,7 +195,7 @@ impl<'a> Chain<'a> {
         if let Some(reason) = self.gap.refuses(after) {
             return Some(reason);
         }
-        if tried.kind.free_memory() == 2 && !self.gap.followed_by_bodies(after) {
+        if tried.kind.second_body() && !self.gap.followed_by_bodies(after) {
             return Some("follows short segments from a start free in each, and not the open loop".to_owned());
         }
         let enough = !self.gap.only_outliers() && evidence(&round.data, &round.current, tried, &FURTHER);
@@ -217,40 +217,55 @@ impl<'a> Chain<'a> {
         rivals
     }
 
-    /// What was named while another was still missing may have taken that one's share, or another law's place.
+    /// What was named while another was still missing may have taken that one's share, or another law's place; and what is
+    /// dropped may be the law for which one of the others stands.
     fn look_back(&mut self, judged: &Data) {
-        for j in (0..self.named.len() - 1).rev() {
+        let mut dropped: Vec<Effect<f64>> = Vec::new();
+        for j in (0..self.named.len()).rev() {
             let place = self.known() + j;
-            let name = self.named[j].effect.kind.name();
-            // With fewer parameters it is enough to do as well.
-            let does = |other: &Fit| {
-                let (own, its) = (self.current.free.len(), other.free.len());
-                if its < own {
-                    let lost = paired(&other.mse, &self.current.mse, &self.current.samples, judged.floor());
-                    !better(&lost, own - its)
-                } else {
-                    let gained = paired(&self.current.mse, &other.mse, &other.samples, judged.floor());
-                    better(&gained, its - own)
-                }
-            };
-            if let Some(other) = refit::without(judged, &self.current, place).filter(does) {
-                self.remarks.push(format!("beside what was named later, nothing is left of {name}"));
-                self.tie.take_if(|tie| tie.kinds.contains(&self.named[j].effect.kind));
+            let own = self.current.candidate.effects[place];
+            let without = (j + 1 < self.named.len()).then(|| refit::without(judged, &self.current, place)).flatten();
+            if let Some(other) = without.filter(|other| self.gives_way(other, judged)) {
+                self.remarks.push(format!("beside what was named later, nothing is left of {}", own.kind.name()));
+                self.tie.take_if(|tie| tie.kinds.contains(&own.kind));
                 self.named.remove(j);
                 self.go_on_with(other);
-                continue;
+                dropped.push(own);
+            } else if self.named.len() > 1 {
+                self.exchange(judged, j, &self.named[j].instead.clone());
             }
-            let others = refit::replaced(judged, &self.current, place, &self.named[j].instead);
-            let best = others.into_iter().filter(does).min_by(|a, b| a.cost.total_cmp(&b.cost));
-            if let Some(other) = best {
-                let new = other.candidate.effects[place].kind;
-                let how =
-                    if other.free.len() < self.current.free.len() { "does as well as" } else { "does better than" };
-                self.remarks.push(format!("beside what was named later, {} {how} {name}", new.name()));
-                self.named[j].effect.kind = new;
-                self.named[j].effect.rivals.retain(|rival| rival.kind != new);
-                self.go_on_with(other);
-            }
+        }
+        for j in 0..self.named.len() {
+            let alike = dropped.iter().filter(|law| like(self.named[j].effect.kind, law.kind)).copied();
+            self.exchange(judged, j, &alike.collect::<Vec<_>>());
+        }
+    }
+
+    /// Another law in the place of the `j`-th named one, if one of `others` is to be there.
+    fn exchange(&mut self, judged: &Data, j: usize, others: &[Effect<f64>]) {
+        let place = self.known() + j;
+        let name = self.named[j].effect.kind.name();
+        let others = refit::replaced(judged, &self.current, place, others);
+        let best =
+            others.into_iter().filter(|other| self.gives_way(other, judged)).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(other) = best else { return };
+        let new = other.candidate.effects[place].kind;
+        let how = if other.free.len() < self.current.free.len() { "does as well as" } else { "does better than" };
+        self.remarks.push(format!("beside the others, {} {how} {name}", new.name()));
+        self.named[j].effect.kind = new;
+        self.named[j].effect.rivals.retain(|rival| rival.kind != new);
+        self.go_on_with(other);
+    }
+
+    /// Whether the current model gives way to `other`: with fewer parameters it is enough to do as well; else `other` must be
+    /// better, on held-out data too.
+    fn gives_way(&self, other: &Fit, judged: &Data) -> bool {
+        let (own, its) = (self.current.free.len(), other.free.len());
+        if its < own {
+            !better(&paired(&other.mse, &self.current.mse, &self.current.samples, judged.floor()), own - its)
+        } else {
+            better(&paired(&self.current.mse, &other.mse, &other.samples, judged.floor()), its - own)
+                && Gap::of(self.data, other).below(&self.gap)
         }
     }
 
@@ -279,7 +294,7 @@ impl<'a> Chain<'a> {
             let place = base.candidate.effects.len() + j;
             effect.parameters = parameters(&self.current.candidate, place, Some(&errors), self.units);
         }
-        let bodies = kinds.iter().any(|kind| kind.free_memory() == 2);
+        let bodies = kinds.iter().any(|kind| kind.second_body());
         let explained = if bodies { base_gap.explained_by_bodies(&self.gap) } else { self.gap.explained() };
         Ended {
             verdict: match (named.is_empty(), base_gap.real(), explained) {

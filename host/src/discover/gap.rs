@@ -12,7 +12,7 @@ const LEFT_OVER: f64 = 0.05;
 /// The median segment's mean square over the noise's below which what is left lies in a few segments.
 const OUTLIERS: f64 = 1.15;
 /// The gap from which something is left: three of its standard deviations over 50 segments of 400 samples of noise.
-const LEFT: f64 = 0.015;
+pub(super) const LEFT: f64 = 0.015;
 /// Share of a gap that lies in a few segments that may stay where a further effect closes it.
 const CLOSED: f64 = 0.5;
 /// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
@@ -62,14 +62,14 @@ impl Gap {
             open_loop: trimmed(&open) / floor,
             rmse: root_mean(&mse),
             median: sorted[sorted.len() / 2] / floor,
-            mean_log: mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / n,
+            mean_log: mean_log(&mse, data.sigma),
             excess: (trimmed(&sorted) - floor).max(1e-3 * floor),
             above: mse.iter().filter(|m| **m > 2.0 * floor).count() as f64 / n,
         }
     }
     /// Why a model with the gap `after` is no progress on held-out data; `None` if it is.
     pub(super) fn refuses(&self, after: &Self) -> Option<String> {
-        if after.mean_log >= self.mean_log || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
+        if !after.below(self) || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
             return Some("fits, but does not hold on held-out data".to_owned());
         }
         // Starts that are fitted in every segment can hide what goes wrong within a second.
@@ -78,6 +78,10 @@ impl Gap {
         }
         self.leaves(after, LEAST_SHARE)
             .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * self.share(after)))
+    }
+    /// Whether it is smaller than `other`, by the segments' logarithms.
+    pub(super) fn below(&self, other: &Self) -> bool {
+        self.mean_log < other.mean_log
     }
     /// Share of the mean square gap that the model with the gap `after` explains.
     pub(super) fn share(&self, after: &Self) -> f64 {
@@ -122,6 +126,12 @@ impl Gap {
     pub(super) fn explained(&self) -> bool {
         self.mean_log < GAP_NOISE && self.above <= LEFT_OVER
     }
+}
+
+/// Mean of ln((σ² + mse)/2σ²) over the segments: nothing at the noise.
+pub(super) fn mean_log(mse: &[f64], sigma: f64) -> f64 {
+    let floor = sigma * sigma;
+    mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / mse.len().max(1) as f64
 }
 
 /// Sum of squares and samples of every open-loop window: its start is fitted to as much of it as a segment holds, and

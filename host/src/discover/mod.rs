@@ -5,6 +5,7 @@ mod chain;
 pub mod data;
 pub mod decide;
 pub mod engine;
+mod first_heat;
 mod gap;
 pub mod next_experiment;
 pub mod outcome;

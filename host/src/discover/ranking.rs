@@ -42,7 +42,7 @@ fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
 }
 
 fn has_body(fit: &Fit) -> bool {
-    fit.candidate.effects.iter().any(|effect| effect.kind.free_memory() == 2)
+    fit.candidate.effects.iter().any(|effect| effect.kind.second_body())
 }
 
 /// Whether `fit` is tied with `best`, whose cost is lower, or pays for having fewer parameters: a second body's start is free in
@@ -60,19 +60,22 @@ pub(super) fn better(evidence: &Paired, extra: usize) -> bool {
     (evidence.z > TIED_Z && evidence.lambda > 8.0 + price) || evidence.beyond_doubt(extra, NAMING.price)
 }
 
-/// The laws to try in the place of the named one once another effect is there: those with fewer parameters that it may be
-/// confused with or has as special cases, and what is tied with it; as they were fitted beside it.
+/// The laws to try in the place of the named one once another effect is there: what is tied with it, and what it may be
+/// confused with or has as special cases, though it was far behind or not believed while the other was missing; but no second
+/// body that was, whose starts gain wherever something is left.
 pub(super) fn instead(tried: &[Tried], named: usize, rivals: &[Rival], place: usize) -> Vec<Effect<f64>> {
     let kind = tried[named].kind;
-    let Ok(winner) = &tried[named].fit else { return Vec::new() };
-    let like = |other: Kind| kind.definition().confused_with.contains(&other.name()) || special_case(other, kind);
     let tied = |other: Kind| rivals.iter().any(|rival| rival.tied && rival.kind == other);
     tried
         .iter()
-        .filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)))
-        .filter(|(kind, fit)| tied(*kind) || (like(*kind) && fit.free.len() < winner.free.len()))
-        .filter_map(|(_, fit)| fit.candidate.effects.get(place).copied())
+        .filter(|t| t.kind != kind && (tied(t.kind) || (like(kind, t.kind) && !t.kind.second_body())))
+        .filter_map(|t| t.fit.as_ref().ok().and_then(|fit| fit.candidate.effects.get(place).copied()).or(t.begun))
         .collect()
+}
+
+/// Whether `named` may be confused with `other`, or has it as a special case.
+pub(super) fn like(named: Kind, other: Kind) -> bool {
+    named.definition().confused_with.contains(&other.name()) || special_case(other, named)
 }
 
 /// The effect that comes closest where none is named, said with its parameters: its likelihood suffices, and the segments or
@@ -108,7 +111,7 @@ pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units
 
 /// Whether a law that does no better with more parameters is a rival all the same: these recordings may lack what tells the
 /// two apart. Others pay for nothing, or have the named one as a special case.
-fn look_alike(named: Kind, other: Kind) -> bool {
+pub(super) fn look_alike(named: Kind, other: Kind) -> bool {
     named.definition().confused_with.contains(&other.name()) && !special_case(named, other)
 }
 

@@ -1,7 +1,7 @@
 //! Fits carried to their end: over all segments, to convergence, in refined form, along thresholds; and the refusal of what
 //! the recordings do not resolve (discovery.md, method step 3).
 
-use breakaway_core::plant::effect::{Over, Scale, Search};
+use breakaway_core::plant::effect::{ActsIn, Over, Scale, Search};
 use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
 use rayon::prelude::*;
 
@@ -26,6 +26,8 @@ const WORTH_A_RESTART: f64 = 20.0;
 /// How far a wave number may be from a whole one to be taken for it.
 const WHOLE: f64 = 0.1;
 
+/// Share of a sample's time below which a delay or a lag of the drive is not believed: the solver's own error is a like share.
+const LEAST_OF_A_SAMPLE: f64 = 0.01;
 /// Share of the inertia below which a second body is not believed.
 const LEAST_BODY: f64 = 0.02;
 
@@ -71,6 +73,15 @@ fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Res
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
         return Err("became faster than the recordings resolve".to_owned());
     }
+    let brief = |effect: &Effect<f64>| {
+        let definition = effect.kind.definition();
+        let times = definition.parameters.iter().zip(&effect.p).filter(|(parameter, _)| parameter.unit == "s");
+        definition.acts_in == ActsIn::Drive
+            && data.tracks.iter().any(|track| times.clone().any(|(_, value)| *value < LEAST_OF_A_SAMPLE * track.ts))
+    };
+    if candidate.effects.iter().any(brief) {
+        return Err("became shorter than the recordings' time stamps tell".to_owned());
+    }
     let (base, largest) = (candidate.base, data.problem().largest_base());
     if base.b >= largest.b || base.c >= largest.c || base.f1 >= largest.f1 {
         return Err("its inertia or friction became larger than any drive of the recordings moves".to_owned());
@@ -88,7 +99,7 @@ fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Res
     }
     let light = |effect: &Effect<f64>| {
         let share = effect.kind.definition().parameters.iter().position(|p| p.symbol == "mu");
-        effect.kind.free_memory() == 2 && share.is_some_and(|i| effect.p[i] < LEAST_BODY)
+        effect.kind.second_body() && share.is_some_and(|i| effect.p[i] < LEAST_BODY)
     };
     if candidate.effects.iter().any(light) {
         return Err(format!("its body became lighter than {:.0} % of the inertia", 100.0 * LEAST_BODY));

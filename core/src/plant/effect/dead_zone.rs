@@ -21,6 +21,8 @@ impl Law for DeadZone {
         compensation: Some("inverse: u + d·sgn u"),
     };
 
+    const ALONG_THE_DRIVE: u8 = 3;
+
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         (at.u.abs() - p[0]).max(R::ZERO) * at.u.sgn()
     }

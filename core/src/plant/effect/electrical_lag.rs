@@ -21,6 +21,7 @@ impl Law for ElectricalLag {
         compensation: None,
     };
 
+    const ALONG_THE_DRIVE: u8 = 5;
     const REMEMBERS: bool = true;
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {

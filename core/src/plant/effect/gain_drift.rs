@@ -21,6 +21,8 @@ impl Law for GainDrift {
         compensation: None,
     };
 
+    const ALONG_THE_DRIVE: u8 = 1;
+
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u * (R::ONE - p[0] * at.t)
     }

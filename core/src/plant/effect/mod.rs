@@ -65,6 +65,10 @@ pub trait Law {
     /// Name, equation, parameters, evidence.
     const DEFINITION: Definition;
 
+    /// D: where along the drive's path the effect acts, whatever its place in the model: the lower before the higher. The
+    /// computer's delay is first (it reads the samples), then the amplifier (its gain, limit, dead zone, dead time), and the
+    /// winding's lag is last.
+    const ALONG_THE_DRIVE: u8 = 0;
     /// D: mean drive over the sub-step `h` from the mean drive `at.u` handed on by the effects before it.
     fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u
@@ -174,6 +178,10 @@ macro_rules! catalogue {
             pub const fn acts_in(self) -> ActsIn {
                 match self { $(Self::$law => <$law as Law>::DEFINITION.acts_in,)* }
             }
+            /// See [`Law::ALONG_THE_DRIVE`].
+            pub const fn along_the_drive(self) -> u8 {
+                match self { $(Self::$law => <$law as Law>::ALONG_THE_DRIVE,)* }
+            }
             /// Whether friction is carried by bristles.
             pub const fn bristles(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::BRISTLES,)* }
@@ -181,6 +189,10 @@ macro_rules! catalogue {
             /// See [`Law::FREE_MEMORY`].
             pub const fn free_memory(self) -> usize {
                 match self { $(Self::$law => <$law as Law>::FREE_MEMORY,)* }
+            }
+            /// Whether a second body, whose position and velocity are not measured, moves with the motor.
+            pub const fn second_body(self) -> bool {
+                self.free_memory() == 2
             }
             /// See [`Law::THRESHOLD`].
             pub const fn threshold(self) -> bool {

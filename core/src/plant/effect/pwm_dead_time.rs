@@ -23,6 +23,8 @@ impl Law for PwmDeadTime {
         compensation: Some("inverse: u + d·sat(i/i0)"),
     };
 
+    const ALONG_THE_DRIVE: u8 = 4;
+
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         let i = (at.u - p[2] * at.v) / p[1];
         at.u - p[0] * i.min(R::ONE).max(-R::ONE)

@@ -21,6 +21,8 @@ impl Law for Saturation {
         compensation: None,
     };
 
+    const ALONG_THE_DRIVE: u8 = 2;
+
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u.min(p[0]).max(-p[0])
     }
