@@ -236,3 +236,6 @@ impl<R: SolverReal> StreamingSine<R> {
         solve::fit(&record, blocks.get_mut(..used).unwrap_or_default())
     }
 }
+
+#[cfg(test)]
+mod tests;
