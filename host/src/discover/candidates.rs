@@ -72,7 +72,7 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
 }
 
 /// What a round of trials gives: the effects, and the current model and the data as they were judged in it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Round {
     /// The data with the round's floor.
     pub data: Data,

@@ -8,14 +8,17 @@ use super::data::Data;
 use super::decide::{FURTHER, NAMING, paired};
 use super::gap::{Gap, LEAST_TOTAL, open_loop_squares, root_mean};
 use super::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
-use super::ranking::{better, evidence, instead, like, nearest, parameters, preference, rivals, table};
+use super::ranking::{better, evidence, instead, like, nearest, others, parameters, preference, rivals, table};
 use super::refit;
 use super::screen::Screen;
 use crate::identify::shooting::{Covariance, Fit};
 use crate::recording::Units;
 
 /// Most effects added in one discovery.
-pub(super) const MAX_ADDED: usize = 3;
+const MAX_ADDED: usize = 3;
+
+/// Other effects with which a model is begun again, at the most.
+const OTHER_BEGINNINGS: usize = 2;
 
 /// A model on its way from the base to all that can be named.
 pub(super) struct Chain<'a> {
@@ -26,6 +29,8 @@ pub(super) struct Chain<'a> {
     gap: Gap,
     named: Vec<Named>,
     ladder: Vec<Rung>,
+    /// The first round, as it was before any effect was considered.
+    opening: Option<Round>,
     first_round: Vec<CandidateRow>,
     closest: Option<String>,
     tie: Option<Tie>,
@@ -76,6 +81,7 @@ impl<'a> Chain<'a> {
             named: Vec::new(),
             ladder: vec![rung(data, &base)],
             base: (base, gap),
+            opening: None,
             first_round: Vec::new(),
             closest: None,
             tie: None,
@@ -92,7 +98,8 @@ impl<'a> Chain<'a> {
     /// One effect more; `false` where none is missing or none can be named.
     pub(super) fn step(&mut self, progress: &(dyn Fn(&str) + Sync)) -> bool {
         let first = self.named.is_empty();
-        if !first && !self.gap.something_left() {
+        // The ladder has the base's rung, and one for every step.
+        if self.ladder.len() > MAX_ADDED || (!first && !self.gap.something_left()) {
             return false;
         }
         progress(&format!("looking for effect {} among {}", self.named.len() + 1, Kind::ALL.len()));
@@ -100,11 +107,17 @@ impl<'a> Chain<'a> {
         let Some((mut round, found)) = ahead.or_else(|| Some((self.round(&self.current)?, None))) else { return false };
         if first {
             self.closest = nearest(&round.data, &round.current, &round.tried, self.units);
+            self.opening = Some(round.clone());
         }
         let accepted = found.or_else(|| self.accepted(&mut round));
+        self.take(round, accepted)
+    }
+
+    /// Names what a round came to; `false` where that is nothing.
+    fn take(&mut self, mut round: Round, accepted: Option<Accepted>) -> bool {
         let rivals = accepted.as_ref().map_or_else(Vec::new, |(index, fit, _)| self.rivals(&mut round, *index, fit));
         let Round { data: judged, current: without, tried } = round;
-        if first {
+        if self.named.is_empty() {
             self.first_round = table(&judged, &without, &tried, accepted.as_ref().map(|a| a.0));
         }
         let Some((index, fit, after)) = accepted else { return false };
@@ -121,6 +134,44 @@ impl<'a> Chain<'a> {
         self.look_back(&judged);
         self.ladder.push(rung(self.data, &self.current));
         true
+    }
+
+    /// Chains that begin with another effect of the first round, where this one leaves more than the noise: what gained most
+    /// while two were missing may be neither. Those that most segments bear out first; a second body, which leaves impacts that
+    /// no law follows, is not doubted.
+    pub(super) fn begun_otherwise(&self) -> impl Iterator<Item = Self> {
+        let bodies = self.named.iter().any(|named| named.effect.kind.second_body());
+        let opening = self.opening.as_ref().filter(|_| !self.named.is_empty() && !bodies && !self.explained());
+        opening.into_iter().flat_map(|round| {
+            let places = others(&round.data, &round.current, &round.tried, self.named[0].effect.kind);
+            places.into_iter().take(OTHER_BEGINNINGS).filter_map(|index| {
+                let mut other = Self::new(self.data, self.units, self.base.0.clone());
+                let (fit, after) = other.carried_through(round, index)?;
+                other.closest.clone_from(&self.closest);
+                other.remarks.push(format!(
+                    "begun with {} in place of {}, which leaves more than the noise",
+                    round.tried[index].kind.name(),
+                    self.named[0].effect.kind.name()
+                ));
+                other.take(round.clone(), Some((index, fit, after))).then_some(other)
+            })
+        })
+    }
+
+    /// Whether this is to stand in the place of `first`, which it was begun otherwise from: it comes down to the noise, and not
+    /// by an effect more than those of `first`, where that found none that holds.
+    pub(super) fn replaces(&self, first: &Self) -> bool {
+        let more = first.named.iter().all(|a| self.named.iter().any(|b| a.effect.kind == b.effect.kind));
+        self.explained() && !more
+    }
+
+    /// Whether the model is down to the noise.
+    fn explained(&self) -> bool {
+        if self.named.iter().any(|named| named.effect.kind.second_body()) {
+            self.base.1.explained_by_bodies(&self.gap)
+        } else {
+            self.gap.explained()
+        }
     }
 
     fn round(&self, fit: &Fit) -> Option<Round> {
@@ -276,7 +327,7 @@ impl<'a> Chain<'a> {
 
     /// The verdict, and all that goes with it.
     pub(super) fn end(mut self) -> Ended {
-        let (base, base_gap) = self.base;
+        let (base, base_gap) = self.base.clone();
         if !self.named.is_empty() && base_gap.leaves(&self.gap, LEAST_TOTAL) {
             let names: Vec<&str> = self.named.iter().map(|n| n.effect.kind.name()).collect();
             self.remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
@@ -285,6 +336,7 @@ impl<'a> Chain<'a> {
             self.ladder.truncate(1);
             self.tie = None;
         }
+        let explained = self.explained();
         let mut named: Vec<NamedEffect> = self.named.into_iter().map(|named| named.effect).collect();
         let kinds: Vec<Kind> = named.iter().map(|effect| effect.kind).collect();
         let errors = self.data.problem().covariance(&self.current);
@@ -294,8 +346,6 @@ impl<'a> Chain<'a> {
             let place = base.candidate.effects.len() + j;
             effect.parameters = parameters(&self.current.candidate, place, Some(&errors), self.units);
         }
-        let bodies = kinds.iter().any(|kind| kind.second_body());
-        let explained = if bodies { base_gap.explained_by_bodies(&self.gap) } else { self.gap.explained() };
         Ended {
             verdict: match (named.is_empty(), base_gap.real(), explained) {
                 (true, false, _) => Verdict::NothingMissing,

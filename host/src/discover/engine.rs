@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use breakaway_core::plant::Base;
 
-use super::chain::{Chain, MAX_ADDED, Tie};
+use super::chain::{Chain, Tie};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
@@ -113,13 +113,9 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
     progress("fitting the base model");
     let base_fit =
         refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
-    let mut chain = Chain::new(&data, &units, base_fit.clone());
-    for _ in 0..MAX_ADDED {
-        if !chain.step(progress) {
-            break;
-        }
-    }
-    let ended = chain.end();
+    let chain = grown(Chain::new(&data, &units, base_fit.clone()), progress);
+    let other = chain.begun_otherwise().map(|other| grown(other, progress)).find(|other| other.replaces(&chain));
+    let ended = other.unwrap_or(chain).end();
     remarks.extend(ended.remarks);
     let (current, named, ladder) = (ended.fit, ended.named, ended.ladder);
     progress("drawing the map");
@@ -152,6 +148,12 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         seconds: 0.0,
         provenance: request.provenance.clone(),
     })
+}
+
+/// A model grown until nothing is missing, or nothing more can be named.
+fn grown<'a>(mut chain: Chain<'a>, progress: &(dyn Fn(&str) + Sync)) -> Chain<'a> {
+    while chain.step(progress) {}
+    chain
 }
 
 fn same_units(request: &Request) -> Result<Units, DiscoverError> {

@@ -33,6 +33,22 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usi
     order
 }
 
+/// Effects of a round other than `named` whose evidence suffices, without a second body, in the order in which most segments bear
+/// them out.
+pub(super) fn others(data: &Data, current: &Fit, tried: &[Tried], named: Kind) -> Vec<usize> {
+    let mut others: Vec<(usize, f64)> = tried
+        .iter()
+        .enumerate()
+        .filter(|(_, t)| t.kind != named && !t.kind.second_body() && evidence(data, current, t, &NAMING))
+        .filter_map(|(i, t)| {
+            let fit = t.fit.as_ref().ok()?;
+            Some((i, paired(&current.mse, &fit.mse, &fit.samples, data.floor()).z))
+        })
+        .collect();
+    others.sort_by(|a, b| b.1.total_cmp(&a.1));
+    others.into_iter().map(|(i, _)| i).collect()
+}
+
 /// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first; one with a second
 /// body only where all have one.
 fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
