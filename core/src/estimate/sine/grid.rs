@@ -109,3 +109,6 @@ fn explain<const N: usize>(
     close(&mut sums);
     totals
 }
+
+#[cfg(test)]
+mod tests;
