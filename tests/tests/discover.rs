@@ -110,6 +110,20 @@ fn what_was_refused_is_tried_again_beside_the_second_effect() {
     both_named(&["electrical_lag", "inertia_step"], 808);
 }
 
+/// What gained most while two were missing was neither: begun again with the effect that most segments bear out, the model comes
+/// down to the noise. A dead time was named.
+#[test]
+fn a_model_that_leaves_much_is_begun_again() {
+    both_named(&["load_friction", "dead_zone"], 831);
+}
+
+/// A third of a millisecond, a third of a sample: what tells a lag from a delay happens within the sample.
+#[test]
+fn a_lag_shorter_than_a_sample_is_no_delay() {
+    let (scored, _) = run(&Case::suite(834, &["electrical_lag"], 1.0).unwrap()).unwrap();
+    assert!(scored.right() && scored.parameter_error.unwrap() < 0.05, "{scored:?}");
+}
+
 /// Among impacts the motion before a segment does not say where the load is; sought all over the gap it is found, and the gap
 /// with it. This was unknown: even the true parameters left 18 times the noise.
 #[test]

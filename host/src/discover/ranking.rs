@@ -27,7 +27,7 @@ pub(super) fn preference(data: &Data, current: &Fit, tried: &[Tried]) -> Vec<usi
     let mut order: Vec<usize> =
         (0..tried.len()).filter(|i| evidence(data, current, &tried[*i], &NAMING)).take(CONSIDERED).collect();
     let fits: Vec<&Fit> = order.iter().filter_map(|i| tried[*i].fit.as_ref().ok()).collect();
-    let Some(simplest) = simplest(data, &fits) else { return order };
+    let Some(simplest) = simplest(data, current, &fits) else { return order };
     let preferred = order.remove(simplest);
     order.insert(0, preferred);
     order
@@ -49,12 +49,18 @@ pub(super) fn others(data: &Data, current: &Fit, tried: &[Tried], named: Kind) -
     others.into_iter().map(|(i, _)| i).collect()
 }
 
-/// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first; one with a second
-/// body only where all have one.
-fn simplest(data: &Data, fits: &[&Fit]) -> Option<usize> {
+/// Of fits in the order of their costs, the one with the fewest parameters among those tied with the first, and of several the one
+/// with the greatest likelihood ratio, which counts effective samples and not the two best segments; one with a second body only
+/// where all have one.
+fn simplest(data: &Data, current: &Fit, fits: &[&Fit]) -> Option<usize> {
     let best = fits.first()?;
+    let lambda = |fit: &Fit| paired(&current.mse, &fit.mse, &fit.samples, data.floor()).lambda;
     let as_good = fits.iter().enumerate().filter(|(_, fit)| as_good(data, fit, best));
-    as_good.min_by_key(|(rank, fit)| (has_body(fit), fit.free.len(), *rank)).map(|(rank, _)| rank)
+    let order = |(_, a): &(usize, &&Fit), (_, b): &(usize, &&Fit)| {
+        let key = |fit: &Fit| (has_body(fit), fit.free.len());
+        key(a).cmp(&key(b)).then_with(|| lambda(b).total_cmp(&lambda(a)))
+    };
+    as_good.min_by(order).map(|(rank, _)| rank)
 }
 
 fn has_body(fit: &Fit) -> bool {
@@ -103,7 +109,7 @@ pub(super) fn nearest(data: &Data, current: &Fit, tried: &[Tried], units: &Units
     // They are in the order of their cost.
     let fits: Vec<(Kind, &Fit)> =
         tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?))).filter(|(_, fit)| enough(fit)).collect();
-    let index = simplest(data, &fits.iter().map(|(_, fit)| *fit).collect::<Vec<_>>())?;
+    let index = simplest(data, current, &fits.iter().map(|(_, fit)| *fit).collect::<Vec<_>>())?;
     let (kind, fit) = fits[index];
     let others = fits.iter().filter(|(other, fit)| *other != kind && as_good(data, fit, fits[0].1));
     let others: Vec<&str> = others.map(|(other, _)| other.name()).collect();

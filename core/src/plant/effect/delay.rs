@@ -21,6 +21,8 @@ impl Law for Delay {
         compensation: None,
     };
 
+    const SUB_STEPS: usize = 7;
+
     fn drive<R: Real>(p: &[R], at: &Instant<R>, past: Held<'_>, _memory: &mut Memory<R>, h: f64) -> R {
         if p[0] <= R::ZERO {
             return at.u;

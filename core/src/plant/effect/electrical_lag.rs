@@ -23,6 +23,7 @@ impl Law for ElectricalLag {
 
     const ALONG_THE_DRIVE: u8 = 5;
     const REMEMBERS: bool = true;
+    const SUB_STEPS: usize = 7;
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
         let ratio = R::from_f64(h) / p[0];

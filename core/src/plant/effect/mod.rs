@@ -125,6 +125,9 @@ pub trait Law {
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
         R::ZERO
     }
+    /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
+    /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant.
+    const SUB_STEPS: usize = 1;
     /// Highest natural frequency the effect adds, rad/s: sets the sub-step.
     fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
         0.0
@@ -193,6 +196,10 @@ macro_rules! catalogue {
             /// Whether a second body, whose position and velocity are not measured, moves with the motor.
             pub const fn second_body(self) -> bool {
                 self.free_memory() == 2
+            }
+            /// See [`Law::SUB_STEPS`].
+            pub const fn sub_steps(self) -> usize {
+                match self { $(Self::$law => <$law as Law>::SUB_STEPS,)* }
             }
             /// See [`Law::THRESHOLD`].
             pub const fn threshold(self) -> bool {
