@@ -385,3 +385,6 @@ fn search<R: SolverReal>(problem: &Problem<'_, R>, w: R, samples: R, blocks: R) 
     let delta = best.0;
     Ok(((delta - step).max(low), delta, (delta + step).min(high)))
 }
+
+#[cfg(test)]
+mod tests;
