@@ -155,6 +155,13 @@ fn row(parameter: &Parameter) -> [String; 4] {
     [parameter.symbol.to_owned(), parameter.unit.to_owned(), parameter.meaning.to_owned(), range]
 }
 
+/// The effects of the drive, in the order in which they act.
+fn along_the_drive() -> Vec<&'static str> {
+    let mut drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
+    drive.sort_by_key(|kind| kind.along_the_drive());
+    drive.iter().map(|kind| kind.name()).collect()
+}
+
 /// The catalogue as a page of documentation: `docs/effects.md`.
 pub fn page() -> String {
     let mut text = "# The effects\n\n\
@@ -164,6 +171,11 @@ pub fn page() -> String {
         Each is named in a model file as `[[effect]]` with `name` and its parameters by symbol. This page is generated \
         from the definitions in `core/src/plant/effect`; `breakaway effects NAME` prints the same.\n\n"
         .to_owned();
+    let _ = writeln!(
+        text,
+        "Effects of the drive act one after the other, in this order whatever theirs in the file: {}.\n",
+        along_the_drive().join(", ")
+    );
     for definition in known_effects() {
         let _ = writeln!(text, "- [{}](#{})", definition.title, definition.name);
     }
