@@ -19,7 +19,9 @@ fn saturation_is_not_forgotten() {
     // The differences are taken from the first sample: this one is beyond i32.
     (samples[0], samples[1]) = (-2, i32::MAX);
     let (mut single, mut slice) = (BlockSums::<i32, 8>::new(), BlockSums::<i32, 8>::new());
-    samples.iter().for_each(|sample| fit.push(&mut single, *sample));
+    for sample in samples {
+        fit.push(&mut single, sample);
+    }
     fit.push_slice(&mut slice, &samples);
     assert_eq!(fit.fit(&single), Err(SineError::Saturated));
     assert_eq!(fit.fit(&slice), Err(SineError::Saturated));
