@@ -126,7 +126,8 @@ pub trait Law {
         R::ZERO
     }
     /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
-    /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant.
+    /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant. Below
+    /// `MAX_SUB_STEPS`, from where dynamics count as not resolved: those two take one fewer.
     const SUB_STEPS: usize = 1;
     /// Highest natural frequency the effect adds, rad/s: sets the sub-step.
     fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
