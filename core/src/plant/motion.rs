@@ -3,6 +3,10 @@
 //! Within a sub-step the smooth forces are taken at its middle (second order) and the viscous term implicitly. Where
 //! the velocity passes zero the sub-step is split there: the body either stays (|force| ≤ break-away level) or goes on
 //! with the opposite friction. On the base plant this agrees with the closed form to O(h³) per step.
+//!
+//! A fit does this some hundred million times: sums over the effects are loops (an iterator's `fold` is called for every
+//! effect), and a sub-step is one function, or a number with its derivatives is copied from call to call.
+#![allow(clippy::inline_always, reason = "a fifth of a discovery's time")]
 
 use super::base::Base;
 use super::effect::{ActsIn, Effect, Held, Instant, MAX_PARAMETERS, Memory};
@@ -74,11 +78,13 @@ impl<R: Real> Effect<R> {
 
 impl<R: Real> Plant<'_, R> {
     /// The effects that act in `place`.
+    #[inline(always)]
     fn acting(&self, place: ActsIn) -> impl Iterator<Item = &Effect<R>> {
         self.effects.iter().filter(move |effect| effect.kind.acts_in() == place)
     }
 
     /// The same with what each remembers.
+    #[inline(always)]
     fn remembering<'m>(
         &self,
         memory: &'m mut [Memory<R>; MAX_EFFECTS],
@@ -108,11 +114,17 @@ impl<R: Real> Plant<'_, R> {
     }
 
     /// What the sensor reports at true position `x`.
+    #[inline(always)]
     pub fn measured(&self, x: R) -> R {
-        self.acting(ActsIn::Sensor).fold(x, |reading, effect| reading + effect.sensor(x))
+        let mut reading = x;
+        for effect in self.acting(ActsIn::Sensor) {
+            reading += effect.sensor(x);
+        }
+        reading
     }
 
     /// Advances one sample period in `n` sub-steps (see [`Self::sub_steps`]).
+    #[inline(always)]
     pub fn advance(&self, state: &mut State<R>, drive: Drive<'_>, n: usize) {
         let h = drive.ts / n as f64;
         for i in 0..n {
@@ -157,39 +169,53 @@ impl<R: Real> Plant<'_, R> {
         force + self.base.f1 * v.sgn() - friction - (inertia - R::ONE) * self.base.b * a
     }
 
+    #[inline(always)]
     fn effective_drive(&self, state: &mut State<R>, drive: Drive<'_>, t: R, from_s: f64, h: f64) -> R {
         let u = R::from_f64(drive.u.last().copied().unwrap_or(0.0));
         let mut at = Instant { t, x: state.x, v: state.v, u, over_s: h };
         let past = Held { u: drive.u, ts: drive.ts, from_s };
-        let mut next = self.next_along_the_drive(0);
-        while let Some(place) = next {
+        let mut place = Some(0);
+        while let Some(here) = place.take() {
             for (effect, memory) in self.remembering(&mut state.memory, ActsIn::Drive) {
-                if effect.kind.along_the_drive() == place {
+                let own = effect.kind.along_the_drive();
+                if own == here {
                     at.u = effect.drive(&at, past, memory, h);
+                } else if own > here && place.is_none_or(|next| own < next) {
+                    place = Some(own);
                 }
             }
-            next = self.next_along_the_drive(place + 1);
         }
         at.u
     }
 
-    /// The first place on the drive's path, from `place` on, where an effect acts.
-    fn next_along_the_drive(&self, place: u8) -> Option<u8> {
-        self.acting(ActsIn::Drive).map(|effect| effect.kind.along_the_drive()).filter(|p| *p >= place).min()
-    }
-
+    #[inline(always)]
     fn level(&self, at: &Instant<R>) -> R {
-        self.acting(ActsIn::Force).fold(self.base.f1, |level, effect| level + effect.level(&self.base, at)).max(R::ZERO)
+        let mut level = self.base.f1;
+        for effect in self.acting(ActsIn::Force) {
+            level += effect.level(&self.base, at);
+        }
+        level.max(R::ZERO)
     }
 
+    #[inline(always)]
     fn force(&self, at: &Instant<R>) -> R {
-        self.acting(ActsIn::Force).fold(at.u, |force, effect| force + effect.force(at))
+        let mut force = at.u;
+        for effect in self.acting(ActsIn::Force) {
+            force += effect.force(at);
+        }
+        force
     }
 
+    #[inline(always)]
     fn breakaway(&self, at: &Instant<R>) -> R {
-        self.acting(ActsIn::Force).fold(self.level(at), |level, effect| level + effect.breakaway())
+        let mut level = self.level(at);
+        for effect in self.acting(ActsIn::Force) {
+            level += effect.breakaway();
+        }
+        level
     }
 
+    #[inline(always)]
     fn sub_step(&self, state: &mut State<R>, t: R, u: R, h: f64) {
         if self.effects.iter().any(|effect| effect.kind.remembers()) {
             return self.sub_step_with_memory(state, t, u, h);
@@ -245,11 +271,13 @@ impl<R: Real> Plant<'_, R> {
     }
 
     /// The middle of a sub-step, given the velocity expected there; friction does not carry past zero.
+    #[inline(always)]
     fn middle(start: &Instant<R>, v_mid: R, sgn: R, h: f64) -> Instant<R> {
         let v = if v_mid * sgn < R::ZERO { R::ZERO } else { v_mid };
         Instant { x: start.x + (start.v + v).scale(0.25 * h), v, ..*start }
     }
 
+    #[inline(always)]
     fn inertia(&self, t: R, state: &State<R>) -> R {
         let mut b = self.base.b;
         for (effect, memory) in self.effects.iter().zip(state.memory.iter()) {
@@ -259,19 +287,28 @@ impl<R: Real> Plant<'_, R> {
     }
 
     /// Mean force of bristles and second bodies on the motor over a sub-step; advances their memories.
+    #[inline(always)]
     fn reaction(&self, mid: &Instant<R>, memory: &mut [Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
         let level = if bristles { self.level(mid) } else { R::ZERO };
-        let bodies = self.remembering(memory, ActsIn::Mechanics);
-        bodies.fold(R::ZERO, |sum, (effect, slot)| sum + self.reaction_of(effect, level, mid, slot, h))
+        let mut sum = R::ZERO;
+        for (effect, slot) in self.remembering(memory, ActsIn::Mechanics) {
+            sum += self.reaction_of(effect, level, mid, slot, h);
+        }
+        sum
     }
 
     /// The same, the memories left as they are.
+    #[inline(always)]
     fn predicted_reaction(&self, at: &Instant<R>, memory: &[Memory<R>; MAX_EFFECTS], bristles: bool, h: f64) -> R {
         let level = if bristles { self.level(at) } else { R::ZERO };
-        let bodies = self.effects.iter().zip(memory).filter(|(effect, _)| effect.kind.acts_in() == ActsIn::Mechanics);
-        bodies.fold(R::ZERO, |sum, (effect, slot)| sum + self.reaction_of(effect, level, at, &mut slot.clone(), h))
+        let mut sum = R::ZERO;
+        for (effect, slot) in self.remembering(&mut memory.clone(), ActsIn::Mechanics) {
+            sum += self.reaction_of(effect, level, at, slot, h);
+        }
+        sum
     }
 
+    #[inline(always)]
     fn reaction_of(&self, effect: &Effect<R>, level: R, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         let held = if effect.kind.bristles() { -effect.bristle(level, mid.v, memory, h) } else { R::ZERO };
         held + effect.mechanics(&self.base, mid, memory, h)
@@ -279,6 +316,7 @@ impl<R: Real> Plant<'_, R> {
 
     /// Moves on under the net force; where the velocity would pass zero against `sgn` the sub-step is split.
     #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
     fn finish(&self, state: &mut State<R>, mid: &Instant<R>, reaction: R, b: R, net: R, sgn: R, h: f64) {
         let v0 = state.v;
         let inertia = b.scale(1.0 / h);

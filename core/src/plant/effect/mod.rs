@@ -3,6 +3,7 @@
 //! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters, where it acts, what
 //! shows it, what it is confused with) and only the hooks through which it acts. The list at the end of this file is
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
+#![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
 mod definition;
 mod limits;
@@ -222,42 +223,42 @@ macro_rules! catalogue {
 
         impl<R: Real> Effect<R> {
             /// See [`Law::drive`].
-            #[inline]
+            #[inline(always)]
             pub fn drive(&self, at: &Instant<R>, past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::drive(&self.p, at, past, memory, h),)* }
             }
             /// See [`Law::force`].
-            #[inline]
+            #[inline(always)]
             pub fn force(&self, at: &Instant<R>) -> R {
                 match self.kind { $(Kind::$law => $law::force(&self.p, at),)* }
             }
             /// See [`Law::level`].
-            #[inline]
+            #[inline(always)]
             pub fn level(&self, base: &Base<R>, at: &Instant<R>) -> R {
                 match self.kind { $(Kind::$law => $law::level(&self.p, base, at),)* }
             }
             /// See [`Law::breakaway`].
-            #[inline]
+            #[inline(always)]
             pub fn breakaway(&self) -> R {
                 match self.kind { $(Kind::$law => $law::breakaway(&self.p),)* }
             }
             /// See [`Law::inertia`].
-            #[inline]
+            #[inline(always)]
             pub fn inertia(&self, t: R, memory: &Memory<R>) -> R {
                 match self.kind { $(Kind::$law => $law::inertia(&self.p, t, memory),)* }
             }
             /// See [`Law::mechanics`].
-            #[inline]
+            #[inline(always)]
             pub fn mechanics(&self, base: &Base<R>, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::mechanics(&self.p, base, mid, memory, h),)* }
             }
             /// See [`Law::bristle`].
-            #[inline]
+            #[inline(always)]
             pub fn bristle(&self, level: R, v: R, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::bristle(&self.p, level, v, memory, h),)* }
             }
             /// See [`Law::impact`].
-            #[inline]
+            #[inline(always)]
             pub fn impact(&self, x: &mut R, v: &mut R, memory: &mut Memory<R>, h: f64) {
                 match self.kind { $(Kind::$law => $law::impact(&self.p, x, v, memory, h),)* }
             }
@@ -270,7 +271,7 @@ macro_rules! catalogue {
                 match self.kind { $(Kind::$law => $law::displaced(&self.p, x, more, memory),)* }
             }
             /// See [`Law::sensor`].
-            #[inline]
+            #[inline(always)]
             pub fn sensor(&self, x: R) -> R {
                 match self.kind { $(Kind::$law => $law::sensor(&self.p, x),)* }
             }
