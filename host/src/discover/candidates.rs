@@ -59,8 +59,12 @@ pub fn excluded(kind: Kind, current: &Candidate, rotary: bool) -> Option<&'stati
     if kind.second_body() && current.effects.iter().any(|e| e.kind.second_body()) {
         return Some("the model carries a second body already");
     }
-    if (kind == Kind::LoadFriction || kind.bristles()) && has(&[Kind::Backlash]) {
-        return Some("what the backlash's idealised impact leaves, after reversals and with the load, looks like it");
+    if (matches!(kind, Kind::LoadFriction | Kind::Delay | Kind::ElectricalLag) || kind.bristles())
+        && has(&[Kind::Backlash])
+    {
+        return Some(
+            "looks like what a gap's contact that yields leaves of one that does not: after reversals, and late",
+        );
     }
     if (kind == Kind::LuGre && has(&[Kind::Stribeck])) || (kind == Kind::Stribeck && has(&[Kind::LuGre])) {
         return Some("LuGre friction has the Stribeck curve in it");

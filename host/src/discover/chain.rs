@@ -367,8 +367,9 @@ impl<'a> Chain<'a> {
 
 fn rung(data: &Data, fit: &Fit) -> Rung {
     let score = data.over(&data.score).score(&fit.candidate);
-    let (square, count) =
-        open_loop_squares(data, fit).iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
+    let (square, count) = open_loop_squares(data, &data.open_loop, fit)
+        .iter()
+        .fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
     Rung {
         effects: fit.candidate.effects.iter().map(|e| e.kind).collect(),
         base: fit.candidate.base,

@@ -30,6 +30,9 @@ pub struct Data {
     pub score: Vec<Segment>,
     /// Held-out windows of the open-loop score.
     pub open_loop: Vec<Segment>,
+    /// Held-out windows in which a model is asked to follow the motion beyond a segment: as many times longer than one as
+    /// those of the open-loop score are longer than a segment of [`FIT_SEGMENT_S`].
+    pub ahead: Vec<Segment>,
     /// Length of the segments, s.
     pub segment_s: f64,
     /// Noise floor of the position.
@@ -61,8 +64,10 @@ impl Data {
         let fit = sampled(segments.iter().filter(|s| !held_out(s) && within(s)), MAX_FIT_SEGMENTS);
         let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
+        let ahead = shooting::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
+        let ahead = sampled(ahead.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
-        Self { tracks: tracks.into(), fit, score, open_loop, segment_s, sigma, available, softening: 0.0 }
+        Self { tracks: tracks.into(), fit, score, open_loop, ahead, segment_s, sigma, available, softening: 0.0 }
     }
 
     /// The same data, judged with `softening` in place of the noise where that is larger.

@@ -13,16 +13,16 @@ use crate::identify::shooting::{self, Candidate, Fit, Free, Problem, Segment};
 /// One in so many segments is in the first heat, and iterations there.
 const FIRST_SHARE: usize = 3;
 const FIRST_ITERATIONS: usize = 5;
-/// Starts simulated per effect, and where the screen is blind to it.
+/// Starts simulated per effect; all of them where the screen is blind to it.
 const STARTS: usize = 4;
 const PERIODIC_STARTS: usize = 9;
-const BLIND_STARTS: usize = 24;
 /// Segments on which starts are compared, half of them those that the current model fits worst; iterations there; and
 /// how many starts go on.
 const TRIAL_SEGMENTS: usize = 14;
 const TRIAL_ITERATIONS: usize = 2;
 const TRIAL_KEPT: usize = 3;
 const PERIODIC_KEPT: usize = 5;
+const RESONANCES_KEPT: usize = 5;
 /// Share of the best gain from which a whole number of waves is preferred to another.
 const AS_GOOD: f64 = 0.9;
 /// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
@@ -109,11 +109,11 @@ impl<'a> Heat<'a> {
 /// smoothing of the motion, thresholds), all over the grid.
 fn chosen(kind: Kind, starts: Vec<Start>, share: usize) -> Vec<Start> {
     let most = match (blind(kind), kind.definition().periodic()) {
-        (true, _) => BLIND_STARTS,
+        (true, _) => starts.len(),
         (_, true) => PERIODIC_STARTS,
         _ => STARTS,
     };
-    let most = most.div_ceil(share);
+    let most = most.div_ceil(share).max(1);
     let step = if blind(kind) { starts.len().div_ceil(most).max(1) } else { 1 };
     starts.into_iter().step_by(step).take(most).collect()
 }
@@ -136,10 +136,14 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     if kind.gap().is_some() {
         return least(through_impacts(heat, &problem, chosen(kind, screen.starts(kind), 1))).ok_or(reason);
     }
-    let mut tries: Vec<Fit> = Vec::new();
-    let trial = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.trial) };
     let slow = heat.current.candidate.effects.iter().any(|effect| effect.kind.free_memory() > 0);
     let share = if slow { SLOW_SHARE } else { 1 };
+    if kind.second_body() {
+        let kept = RESONANCES_KEPT.div_ceil(share);
+        return least(among_resonances(heat, &problem, chosen(kind, screen.starts(kind), share), kept)).ok_or(reason);
+    }
+    let mut tries: Vec<Fit> = Vec::new();
+    let trial = Problem { coarse: kind.bristles(), ..heat.data.over(&heat.trial) };
     for start in chosen(kind, screen.starts(kind), share) {
         let variants = variants(&start.candidate, &heat.current.candidate.base);
         let fits = variants.iter().map(|candidate| {
@@ -159,13 +163,8 @@ fn first_heat(heat: &Heat<'_>, screen: &Screen<'_>, kind: Kind) -> Result<Fit, S
     tries.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let kept = if kind.definition().periodic() { PERIODIC_KEPT } else { TRIAL_KEPT };
     let kept = tries.into_iter().take(kept.div_ceil(share));
-    // A few iterations over the heat's segments part those, and the rest is for the best; but of a second body only the end
-    // tells which start leads to it.
-    let parting = if kind.second_body() { FIRST_ITERATIONS } else { TRIAL_ITERATIONS };
-    let best = least(kept.filter_map(|fit| heated(&fit.candidate, parting).ok()).collect()).ok_or(reason)?;
-    if kind.second_body() {
-        return Ok(best);
-    }
+    // A few iterations over the heat's segments part those, and the rest is for the best.
+    let best = least(kept.filter_map(|fit| heated(&fit.candidate, TRIAL_ITERATIONS).ok()).collect()).ok_or(reason)?;
     heated(&best.candidate, FIRST_ITERATIONS).map_err(|error| error.to_string())
 }
 
@@ -197,6 +196,27 @@ fn through_impacts(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>) -
         let beside = Candidate { base, ..start.candidate };
         problem.fit(&beside, &Free::all(&beside.effects), None, FIRST_ITERATIONS).ok()
     });
+    fits.collect()
+}
+
+/// A body on a spring: two steps at a frequency give its mass, with which two more are drawn to the right one; a few segments
+/// would not tell which, and only the end does.
+fn among_resonances(heat: &Heat<'_>, problem: &Problem<'_>, starts: Vec<Start>, kept: usize) -> Vec<Fit> {
+    let base = heat.current.candidate.base;
+    let drawn = starts.into_par_iter().with_max_len(1).filter_map(|start| {
+        let beside = Candidate { base, ..start.candidate };
+        let held = without_wave_number(&beside);
+        let there = problem.fit(&beside, &held, Some(&heat.current.initial), TRIAL_ITERATIONS).ok()?;
+        let free = Free::all(&there.candidate.effects);
+        problem.fit(&there.candidate, &free, Some(&there.initial), TRIAL_ITERATIONS).ok()
+    });
+    let mut drawn: Vec<Fit> = drawn.collect();
+    drawn.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    drawn.truncate(kept);
+    let fits = drawn
+        .into_par_iter()
+        .with_max_len(1)
+        .filter_map(|fit| problem.fit(&fit.candidate, &fit.free, Some(&heat.current.initial), FIRST_ITERATIONS).ok());
     fits.collect()
 }
 

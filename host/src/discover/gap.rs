@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::data::Data;
+use super::data::{Data, FIT_SEGMENT_S};
 use crate::identify::shooting::{Fit, SCORE_ITERATIONS, Segment};
 
 /// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
@@ -25,8 +25,9 @@ const OPEN_LOOP_GROWTH: f64 = 1.5;
 
 /// Share of the open-loop mean square above the noise's that a second body may leave.
 const BODY_LEAVES: f64 = 0.5;
-/// Open-loop mean square error over the noise's up to which a second body's motion counts as followed.
-const OPEN_LOOP_NOISE: f64 = 2.0;
+/// What the base's own drift adds within a second to the open-loop mean square over the noise's: with so much a second body's
+/// motion counts as followed. It grows with the square of the time.
+const OWN_DRIFT: f64 = 1.0;
 
 /// How far a model is from the held-out data.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +43,8 @@ pub(super) struct Gap {
     above: f64,
     /// Mean square error of the open-loop windows over the noise's.
     open_loop: f64,
+    /// Length of the windows over [`OPEN_LOOP_S`](super::data::OPEN_LOOP_S).
+    ahead: f64,
 }
 
 impl Gap {
@@ -56,10 +59,12 @@ impl Gap {
         };
         let mut sorted = mse.clone();
         sorted.sort_by(f64::total_cmp);
-        let mut open: Vec<f64> = open_loop_squares(data, fit).iter().map(|(square, n)| square / *n as f64).collect();
+        let mut open: Vec<f64> =
+            open_loop_squares(data, &data.ahead, fit).iter().map(|(square, n)| square / *n as f64).collect();
         open.sort_by(f64::total_cmp);
         Self {
             open_loop: trimmed(&open) / floor,
+            ahead: data.segment_s / FIT_SEGMENT_S,
             rmse: root_mean(&mse),
             median: sorted[sorted.len() / 2] / floor,
             mean_log: mean_log(&mse, data.sigma),
@@ -103,7 +108,7 @@ impl Gap {
     /// cases a true body leaves at most a quarter of what is above the noise there, a false one more than .55. Where hardly
     /// anything is above the noise, what is left is the base's own drift, and says nothing.
     pub(super) fn followed_by_bodies(&self, after: &Self) -> bool {
-        after.open_loop < OPEN_LOOP_NOISE || after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
+        after.drifts_as_the_base() || after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
     }
     /// Whether with `after` the typical segment's mean square is below half of what it was, whatever became of the worst ones.
     pub(super) fn typically_halved(&self, after: &Self) -> bool {
@@ -121,7 +126,11 @@ impl Gap {
     /// Whether a model with second bodies explains what `self`, the base's gap, is: their starts, free in every segment, can
     /// follow a disturbance that no body causes, so there must be a gap on held-out data, and it must close in open loop.
     pub(super) fn explained_by_bodies(&self, after: &Self) -> bool {
-        after.explained() && self.real() && after.open_loop < OPEN_LOOP_NOISE
+        after.explained() && self.real() && after.drifts_as_the_base()
+    }
+    /// Whether no more is above the noise in open loop than the base's own drift.
+    fn drifts_as_the_base(&self) -> bool {
+        self.open_loop - 1.0 < OWN_DRIFT * self.ahead * self.ahead
     }
     pub(super) fn explained(&self) -> bool {
         self.mean_log < GAP_NOISE && self.above <= LEFT_OVER
@@ -134,12 +143,12 @@ pub(super) fn mean_log(mse: &[f64], sigma: f64) -> f64 {
     mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / mse.len().max(1) as f64
 }
 
-/// Sum of squares and samples of every open-loop window: its start is fitted to as much of it as a segment holds, and
+/// Sum of squares and samples of every one of the `windows`: its start is fitted to as much of it as a segment holds, and
 /// what is simulated from there on sees the measurement no more.
-pub(super) fn open_loop_squares(data: &Data, fit: &Fit) -> Vec<(f64, usize)> {
-    let starts: Vec<Segment> = data.open_loop.iter().map(|window| beginning(data, *window)).collect();
-    let open = data.over(&data.open_loop);
-    let windows = data.open_loop.par_iter().zip(&starts).with_max_len(1);
+pub(super) fn open_loop_squares(data: &Data, windows: &[Segment], fit: &Fit) -> Vec<(f64, usize)> {
+    let starts: Vec<Segment> = windows.iter().map(|window| beginning(data, *window)).collect();
+    let open = data.over(windows);
+    let windows = windows.par_iter().zip(&starts).with_max_len(1);
     windows
         .map(|(window, start)| {
             let one = data.over(std::slice::from_ref(start));

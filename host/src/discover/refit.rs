@@ -30,6 +30,9 @@ const WHOLE: f64 = 0.1;
 const LEAST_OF_A_SAMPLE: f64 = 0.01;
 /// Share of the inertia below which a second body is not believed.
 const LEAST_BODY: f64 = 0.02;
+/// Damping ratio from which less than a tenth of an oscillation is left after a period: a body that hardly rings is what
+/// a gap's contact looks like.
+const MOST_DAMPING: f64 = 0.35;
 
 /// Over all segments to convergence.
 pub(super) fn finish(data: &Data, start: &Fit) -> Result<Fit, String> {
@@ -66,7 +69,7 @@ fn cost(fit: &Result<Fit, FitError>) -> f64 {
 
 /// Refuses what the recordings do not show: dynamics so fast that what is simulated is the solver's; bristles so long
 /// that they never let go, which are a spring whose rest every segment chooses for itself; bodies so light that only
-/// their start, free in every segment, is left of them; and inertia or friction that no drive of the recordings
+/// their start, free in every segment, is left of them, or on a spring that is all damper; and inertia or friction that no drive of the recordings
 /// overcomes, beside which only the starts move anything.
 fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Result<(), String> {
     let plant = Plant { base: candidate.base, effects: &candidate.effects };
@@ -103,6 +106,13 @@ fn resolved(data: &Data, candidate: &Candidate, bristles: &[Effect<f64>]) -> Res
     };
     if candidate.effects.iter().any(light) {
         return Err(format!("its body became lighter than {:.0} % of the inertia", 100.0 * LEAST_BODY));
+    }
+    let dull = |effect: &Effect<f64>| {
+        let damping = effect.kind.definition().parameters.iter().position(|p| p.symbol == "zeta");
+        damping.is_some_and(|i| effect.p[i] > MOST_DAMPING)
+    };
+    if candidate.effects.iter().any(dull) {
+        return Err("its body hardly rings: what gives may be a gap's contact".to_owned());
     }
     Ok(())
 }
@@ -183,13 +193,13 @@ pub(super) fn in_whole_waves(candidate: &mut Candidate) -> bool {
     whole
 }
 
-/// All that is free but the frequency of the last effect, in position or in time.
+/// All that is free but the frequency of the last effect, in position or in time, or of its resonance.
 pub(super) fn without_wave_number(candidate: &Candidate) -> Vec<Free> {
     let j = candidate.effects.len() - 1;
     let parameters = candidate.effects[j].kind.definition().parameters;
     let mut free = Free::all(&candidate.effects);
     free.retain(
-        |free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_))),
+        |free| !matches!(*free, Free::Effect(k, i) if k == j && matches!(parameters[i].search, Search::Spectrum(_) | Search::Resonance(..))),
     );
     free
 }

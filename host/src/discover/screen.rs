@@ -16,8 +16,11 @@ use crate::identify::weak::{self, Window};
 
 /// Half-widths of the windows in which periodic effects are looked for as well, s.
 const OTHER_WIDTHS_S: [f64; 2] = [0.060, 0.008];
+/// Distance of two resonances that are told apart, times the length of a segment, rad: what is in step at its start is out of
+/// step at its end.
+const RESOLVED: f64 = 4.0;
 /// Grid points per effect; beyond that the product of the grids is thinned.
-const MAX_GRID: usize = 36;
+const MAX_GRID: usize = 60;
 
 /// A starting point of an effect.
 #[derive(Clone, Debug)]
@@ -221,6 +224,10 @@ impl<'a> Screen<'a> {
                     values
                         .map(|value| Some(if scale == Scale::Session { self.session_start() + value } else { value }))
                         .collect()
+                }
+                Search::Resonance(from, to) => {
+                    let spacing = RESOLVED / self.data.segment_s;
+                    (0..=((to - from) / spacing) as usize).map(|i| Some(from + i as f64 * spacing)).collect()
                 }
                 Search::Spectrum(over) => {
                     spectrum::peaks(&self.data.tracks, &self.windows, &self.residual_force(), over)

@@ -27,6 +27,9 @@ pub enum Search {
     Spectrum(Over),
     /// Tried at these multiples of a quantity of the recordings.
     Grid(Scale, &'static [f64]),
+    /// Angular frequency of a body on a spring, rad/s: tried from the first to the second, as far apart as a segment tells
+    /// two of them.
+    Resonance(f64, f64),
 }
 
 /// The coordinate of a spectrum.

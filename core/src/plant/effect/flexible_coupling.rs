@@ -16,7 +16,7 @@ impl Law for FlexibleCoupling {
         acts_in: ActsIn::Mechanics,
         parameters: &[
             Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.06])),
-            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Grid(Scale::Unit, &[40.0, 46.0, 52.0, 59.0, 67.0, 75.0, 85.0, 96.0, 108.0, 122.0, 138.0, 156.0, 176.0, 199.0, 225.0, 255.0, 288.0, 326.0, 370.0, 420.0, 480.0])),
+            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Resonance(40.0, 480.0)),
             Parameter::new("zeta", "1", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.06])),
         ],
         shown_by: "multisine above the resonance",

@@ -6,9 +6,10 @@ use crate::identify::track::Track;
 use breakaway_core::plant::Base;
 
 /// Far from every bound: a gap that an effect can explain.
-const BEFORE: Gap = Gap { mean_log: 0.4, rmse: 2.0, excess: 4.0, median: 3.0, above: 0.5, open_loop: 9.0 };
+const BEFORE: Gap = Gap { mean_log: 0.4, rmse: 2.0, excess: 4.0, median: 3.0, above: 0.5, open_loop: 9.0, ahead: 1.0 };
 /// Down to the noise.
-const EXPLAINED: Gap = Gap { mean_log: 0.01, rmse: 1.0, excess: 0.1, median: 1.0, above: 0.0, open_loop: 1.0 };
+const EXPLAINED: Gap =
+    Gap { mean_log: 0.01, rmse: 1.0, excess: 0.1, median: 1.0, above: 0.0, open_loop: 1.0, ahead: 1.0 };
 
 /// Sampling interval, s; samples of a segment and of a window; the noise's standard deviation.
 const TS: f64 = 0.01;
@@ -43,6 +44,7 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
         fit: Vec::new(),
         score: cut(segment),
         open_loop: cut(window),
+        ahead: cut(window),
         segment_s: SEGMENT as f64 * TS,
         sigma: SIGMA,
         available: n / segment,
@@ -105,7 +107,7 @@ fn a_gap_below_the_noise_is_not_none() {
 fn an_open_loop_window_starts_from_its_first_segment() {
     let window = (0..WINDOW).map(|k| if k < SEGMENT / 2 { 10.0 } else { 0.0 });
     let (data, fit) = held(window.clone().chain(window).collect(), SEGMENT, WINDOW);
-    let squares = open_loop_squares(&data, &fit);
+    let squares = open_loop_squares(&data, &data.open_loop, &fit);
     assert_eq!(squares.len(), 2);
     for (square, samples) in squares {
         assert!(close(square, 25.0 * WINDOW as f64), "{square}");
@@ -236,6 +238,16 @@ fn a_weak_second_body_is_not_judged_in_open_loop() {
     let before = Gap { open_loop: 2.1, ..BEFORE };
     let after = |open_loop| before.followed_by_bodies(&Gap { open_loop, ..before });
     assert!(after(1.99) && !after(2.0) && !after(2.1));
+}
+
+/// A quarter of a second ahead the base's own drift is a sixteenth of what it is in a second: 1.0625 times the noise, not 2.
+#[test]
+fn the_bases_own_drift_grows_with_the_square_of_the_time() {
+    let before = Gap { open_loop: 1.12, ahead: 0.25, ..BEFORE };
+    let after = |open_loop| before.followed_by_bodies(&Gap { open_loop, ..before });
+    assert!(after(1.0624) && !after(1.0626));
+    let after = |open_loop| Gap { open_loop, ahead: 0.25, ..EXPLAINED };
+    assert!(before.explained_by_bodies(&after(1.0624)) && !before.explained_by_bodies(&after(1.0626)));
 }
 
 /// Bodies explain a gap that is real, down to the noise, and to less than twice the noise in open loop.

@@ -16,6 +16,7 @@ fn data() -> Data {
         fit: Vec::new(),
         score: Vec::new(),
         open_loop: Vec::new(),
+        ahead: Vec::new(),
         segment_s: 0.4,
         sigma: 1.0,
         available: SEGMENTS,
