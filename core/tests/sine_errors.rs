@@ -4,6 +4,9 @@
 use breakaway_core::estimate::sine::{
     BlockSums, FrequencySearch, SineFit, SineModel, StreamingSine, even, fit_fixed, fit_free,
 };
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
 use std::f64::consts::{PI, TAU};
 
 /// Gauss–Jordan with the largest pivot.
@@ -167,4 +170,24 @@ fn errors_of_the_streaming_fit_are_those_of_the_information() {
             check(&record, SineModel::default(), &config.fit(&sums).unwrap(), true, 0.03);
         }
     }
+}
+
+/// The residual's variance is the noise's in the mean: 4 blocks of 4 samples have 3·4 − 4 degrees of freedom and 16 − 3·4 within.
+/// Its standard error over 4 000 records is √(2/12/4000) = .65 %; four parameters too many or too few change it by 40 %.
+#[test]
+fn the_residual_of_the_shortest_streams_is_the_noise() {
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let (period, noise, records) = (16, 0.01, 4000);
+    let config = StreamingSine::<f64>::of_period(period, 0.01).unwrap();
+    let mut sum = 0.0;
+    for _ in 0..records {
+        let mut sums: BlockSums<f64> = BlockSums::new();
+        for i in 0..period {
+            let normal: f64 = StandardNormal.sample(&mut rng);
+            config.push(&mut sums, (TAU * f64::from(i) / f64::from(period) + 0.3).sin() + noise * normal);
+        }
+        sum += config.fit(&sums).unwrap().rms.powi(2);
+    }
+    let over = sum / (f64::from(records) * noise * noise);
+    assert!((over - 1.0).abs() < 0.025, "{over}");
 }

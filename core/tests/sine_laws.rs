@@ -67,8 +67,8 @@ fn in_f64_and_f32(record: &Counts, seed: u64) -> (SineFit<f64>, SineFit<f32>) {
 
 /// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth but in one
 /// of a hundred: there the harmonic leaves next to nothing between the blocks, the two sources of the noise disagree, and
-/// the rounding of what the blocks do not see of the sine decides what each counts. In 1 500 others 11 were off by more, and the
-/// worst by 3.6 %.
+/// the rounding of what the blocks do not see of the sine decides what each counts. In 6 000 others 32 were off by more, 5 by
+/// more than 1 %, 1 by more than 5 %: by 30 %, the longest of these tails, where 66 counts of 20 000 were left.
 #[test]
 fn standard_errors_in_f32_are_those_of_f64() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -163,7 +163,8 @@ proptest! {
 
     /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32. With 50 dB of
     /// noise instead of harmonics the noise's power is 1e-5 of the signal's, of which the sums' rounding (2^-24 each of 32
-    /// blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the standard errors. Those of the limit cycle: below.
+    /// blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the standard errors. Those of the limit cycle:
+    /// `standard_errors_in_f32_are_those_of_f64`.
     #[test]
     fn solved_in_f32_as_in_f64(
         period in 60_u32..1_500,
@@ -175,7 +176,6 @@ proptest! {
         seed in any::<u64>(),
     ) {
         let (truth, fit) = in_f64_and_f32(&Counts { period, off, cycles, phase, offset, harmonics }, seed);
-        let errors = if harmonics > 0.0 { 0.05 } else { 0.02 };
         for (name, got, se_got, value, se) in [
             ("amplitude", fit.amplitude, fit.se.amplitude, truth.amplitude, truth.se.amplitude),
             ("omega", fit.omega_rad_s, fit.se.omega_rad_s, truth.omega_rad_s, truth.se.omega_rad_s),
@@ -184,7 +184,8 @@ proptest! {
             let apart = (f64::from(got) - value).abs();
             let scale = if name == "offset" { truth.amplitude } else { value };
             prop_assert!(apart <= 0.05 * se + 1e-6 * scale, "{name}: {got} and {value} ± {se}");
-            prop_assert!((f64::from(se_got) / se - 1.0).abs() < errors, "{name}: standard error {se_got} and {se}");
+            let errors = (f64::from(se_got) / se - 1.0).abs();
+            prop_assert!(harmonics > 0.0 || errors < 0.02, "{name}: standard error {se_got} and {se}");
         }
         prop_assert!((f64::from(fit.phase_centre_rad) - truth.phase_centre_rad).abs() < 2e-6, "{:?} {:?}", fit, truth);
     }

@@ -125,6 +125,22 @@ fn the_limit_is_nyquists_over_the_highest_harmonic() {
     assert!(!beyond.is_ok_and(|fit| fit.omega_rad_s > PI / TS / 3.0 || fit.amplitude > 0.2));
 }
 
+/// The search ends a hundredth of π radians of half the record before Nyquist's frequency, where sine and cosine are one
+/// column: what is twice as far from it is found, what is half as far has its best beyond the edge.
+#[test]
+fn the_search_ends_a_hundredth_before_nyquist() {
+    let half_s = 0.5 * 99.0 * TS;
+    let at = |hundredths: f64| {
+        let omega = PI / TS - hundredths * 0.01 * PI / half_s;
+        (omega, between(&sine(100, omega, 0.9), 0.97 * PI / TS, 2.0 * PI / TS))
+    };
+    let (omega, found) = at(2.0);
+    assert!((found.unwrap().omega_rad_s / omega - 1.0).abs() < 1e-9);
+    let (_, refused) = at(0.5);
+    let Err(SineError::SearchEdge { omega_rad_s }) = refused else { panic!("{refused:?}") };
+    assert!(((PI / TS - omega_rad_s) * half_s / (0.01 * PI) - 1.0).abs() < 1e-6);
+}
+
 /// The numbers' size does not matter: what is squared is of the order of one.
 #[test]
 fn signals_of_any_size_are_fitted() {

@@ -21,9 +21,9 @@ const FEWEST_SAMPLES: u64 = 2 * SHORTEST_BLOCK;
 /// `R` is the number that the fit is solved in. In f32 a residual below 3e-4 of the amplitude is lost in rounding (standard
 /// errors at 60 dB are off by 11 %); A, ω and d are good to 1e-6, and the limit cycle of a relay, with 4 % of harmonics,
 /// has standard errors good to 1e-3 but in one record of a hundred, where the harmonics leave next to nothing between the
-/// blocks and the frequency is within 1 % of the one given: there to 4 %. What the blocks do not see of the sine (1.5e-6
-/// of its power at 0.13 % off) is then a difference that f32 knows to 1e-7 of the power, and decides what the noise is taken
-/// from.
+/// blocks and the frequency is within 1 % of the one given: there to some per cent, and in one of 6 000 to 30 %. What the
+/// blocks do not see of the sine (1.5e-6 of its power at 0.13 % off) is then a difference that f32 knows to 1e-7 of the
+/// power, and decides what the noise is taken from.
 ///
 /// ```
 /// use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
