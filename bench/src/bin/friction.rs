@@ -9,11 +9,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow};
 use breakaway::identify::estimate::identify;
-use breakaway::recording::{Recording, Units};
+use breakaway::recording::Recording;
 use breakaway_bench::{timed, write_numbers};
 use breakaway_core::estimate::papers::{PaperEstimate, RelayExperiment, equation_17, memo_listing};
 use breakaway_core::estimate::sine::{FrequencySearch, SineModel, even, fit_free};
-use breakaway_hidden::{Case, Experiment, Record, Session};
+use breakaway_hidden::{Case, Experiment, Record};
+use breakaway_tests::blind::recording;
 
 /// The relay's amplitudes and the settled cycle's fundamental, as the papers' formulas want them.
 fn experiment(record: &Record) -> Result<RelayExperiment<f64>> {
@@ -44,18 +45,6 @@ fn corrected(e: [RelayExperiment<f64>; 2]) -> [f64; 3] {
     let s = e.map(|e| PI * e.a * e.omega / 4.0);
     let c = (e[0].h2 - e[1].h2) / (s[0] - s[1]);
     [b, c, e[0].h2 - s[0] * c]
-}
-
-fn recording(session: &Session, record: &Record) -> Recording {
-    Recording {
-        name: record.name.to_owned(),
-        t: record.t.clone(),
-        u: record.u.clone(),
-        x: record.x.clone(),
-        encoder_step: Some(session.encoder_step),
-        units: Units { u: session.drive_unit.to_owned(), x: session.position_unit.to_owned() },
-        ..Recording::default()
-    }
 }
 
 fn main() -> Result<()> {

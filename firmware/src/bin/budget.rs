@@ -11,12 +11,12 @@ mod image {
     use breakaway_firmware::app::{
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
     };
-    use breakaway_firmware::board::mps2_an386::{Meter, Next, SimulatedFlash, Virtual};
+    use breakaway_firmware::board::mps2_an386::{Meter, Next, SimulatedFlash, Virtual, done, panicked};
     use breakaway_firmware::board::{Board, Encoder, Retained, Wire, routines};
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::peripheral::Peripherals;
     use cortex_m_rt::entry;
-    use cortex_m_semihosting::{debug, hprintln};
+    use cortex_m_semihosting::hprintln;
 
     const TICK_HZ: u32 = 1000;
     /// What unused stack is filled with.
@@ -225,19 +225,12 @@ mod image {
         hprintln!("channels_bytes = {}", size_of::<Channels<'static, TrackPlan>>());
         hprintln!("sums_bytes = {}", size_of::<Sums>());
         hprintln!("stack_bytes = {}", high_water());
-        debug::exit(debug::EXIT_SUCCESS);
-        loop {
-            cortex_m::asm::wfi();
-        }
+        done()
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        hprintln!("{}", info);
-        debug::exit(debug::EXIT_FAILURE);
-        loop {
-            cortex_m::asm::wfi();
-        }
+        panicked(info)
     }
 }
 

@@ -9,10 +9,10 @@ mod image {
     use breakaway_core::control::{Pid, PidState, Setpoint, tune};
     use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
     use breakaway_core::excite::relay::{DualRelay, DualRelayState};
-    use breakaway_firmware::board::mps2_an386::Meter;
+    use breakaway_firmware::board::mps2_an386::{Meter, done, panicked};
     use cortex_m::peripheral::Peripherals;
     use cortex_m_rt::entry;
-    use cortex_m_semihosting::{debug, hprintln};
+    use cortex_m_semihosting::hprintln;
     use dsp_process::SplitProcess;
     use idsp::Build;
     use idsp::iir::{BiquadClamp, DirectForm1, DirectForm2Transposed, pid};
@@ -128,19 +128,12 @@ mod image {
         measure("idsp_pid_df2t", &meter, |e| {
             black_box(biquad_2(&filter, &mut state, e as f32 * 1e-3));
         });
-        debug::exit(debug::EXIT_SUCCESS);
-        loop {
-            cortex_m::asm::wfi();
-        }
+        done()
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        hprintln!("{}", info);
-        debug::exit(debug::EXIT_FAILURE);
-        loop {
-            cortex_m::asm::wfi();
-        }
+        panicked(info)
     }
 }
 

@@ -1,73 +1,16 @@
 use breakaway_core::link::{EffectId, FaultCause, Model, Settings, WireEffect, checksum};
 use breakaway_core::plant::MAX_EFFECTS;
 use breakaway_core::plant::effect::MAX_PARAMETERS;
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use std::vec;
+use breakaway_rig::ALWAYS;
 use std::vec::Vec;
 
 use super::{FlashStore, Loaded, Store};
 
-/// Two pages of a flash that programs words of 8 bytes, as the STM32G4's; and for how many more bytes there is power.
-#[derive(Clone)]
-struct Ram(Vec<u8>, usize);
-
 const PAGE: usize = 2048;
-const ALWAYS: usize = usize::MAX;
-
-/// Power was cut.
-#[derive(Debug)]
-struct Cut;
-
-impl NorFlashError for Cut {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl Ram {
-    /// Changes cells one after the other, as far as the power goes.
-    fn change(&mut self, at: usize, to: impl ExactSizeIterator<Item = u8>) -> Result<(), Cut> {
-        let length = to.len();
-        let powered = length.min(self.1);
-        self.0[at..].iter_mut().zip(to).take(powered).for_each(|(cell, byte)| *cell = byte);
-        if self.1 != ALWAYS {
-            self.1 -= powered;
-        }
-        if powered == length { Ok(()) } else { Err(Cut) }
-    }
-}
-
-impl ErrorType for &mut Ram {
-    type Error = Cut;
-}
-impl ReadNorFlash for &mut Ram {
-    const READ_SIZE: usize = 1;
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
-        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
-        Ok(())
-    }
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-}
-impl NorFlash for &mut Ram {
-    const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = PAGE;
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        self.change(from as usize, std::iter::repeat_n(0xff, (to - from) as usize))
-    }
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
-        let at = offset as usize;
-        assert!(at.is_multiple_of(8) && bytes.len().is_multiple_of(8), "{} bytes at {at}", bytes.len());
-        // A word is programmed once between erases (RM0440: else an error).
-        let before = &self.0[at..at + bytes.len()];
-        assert!(before.iter().all(|cell| *cell == 0xff), "programmed twice at {at}");
-        self.change(at, bytes.iter().copied())
-    }
-}
+type Ram = breakaway_rig::Ram<PAGE>;
 
 fn blank() -> Ram {
-    Ram(vec![0xff; 2 * PAGE], ALWAYS)
+    Ram::new(Vec::new())
 }
 
 fn store(ram: &mut Ram) -> FlashStore<&mut Ram> {
@@ -109,7 +52,7 @@ fn a_damaged_image_is_defaults_and_a_fault_or_what_was_saved() {
     // Each byte turned over, one at a time: never an older or a wrong value without a word.
     for at in 0..2 * PAGE {
         let mut damaged = good.clone();
-        damaged.0[at] ^= 0x5a;
+        damaged.cells[at] ^= 0x5a;
         let loaded = store(&mut damaged).load(settings(0));
         if loaded == saved {
             continue;
@@ -127,7 +70,7 @@ fn a_damaged_image_is_defaults_and_a_fault_or_what_was_saved() {
 
 #[test]
 fn a_blank_flash_and_noise_are_told_apart() {
-    let mut noise = Ram((0..2 * PAGE as u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect(), ALWAYS);
+    let mut noise = Ram::new((0..2 * PAGE as u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect());
     assert_eq!(store(&mut noise).load(settings(0)).lost, Some((FaultCause::SettingsLost, -1)));
     assert_eq!(store(&mut blank()).load(settings(0)).lost, None);
     assert!(FlashStore::new(&mut blank(), 0..PAGE as u32).is_none(), "one page is not enough");
@@ -151,10 +94,10 @@ fn power_cut_anywhere_in_a_save_leaves_what_was_there_or_what_is_new_and_the_nex
             let saved = {
                 let mut open = store(&mut ram);
                 open.load(settings(0));
-                open.flash().1 = power;
+                open.flash().power = power;
                 open.save(&settings(50), model(50).as_ref())
             };
-            ram.1 = ALWAYS;
+            ram.power = ALWAYS;
             let found = store(&mut ram).load(settings(0));
             assert!(found == old && saved.is_err() || found == new, "{power}: {saved:?}, {found:?}");
             news += usize::from(found == new);
@@ -175,10 +118,10 @@ fn a_record_of_another_version_is_lost_and_its_version_said() {
     let mut ram = blank();
     store(&mut ram).save(&settings(1), None).unwrap();
     // Mark, version, length, sequence; the CRC stands behind the content.
-    ram.0[8..10].copy_from_slice(&77_u16.to_le_bytes());
-    let end = 16 + usize::from(u16::from_le_bytes([ram.0[10], ram.0[11]]));
-    let crc = checksum(&ram.0[8..end]);
-    ram.0[end..end + 4].copy_from_slice(&crc.to_le_bytes());
+    ram.cells[8..10].copy_from_slice(&77_u16.to_le_bytes());
+    let end = 16 + usize::from(u16::from_le_bytes([ram.cells[10], ram.cells[11]]));
+    let crc = checksum(&ram.cells[8..end]);
+    ram.cells[end..end + 4].copy_from_slice(&crc.to_le_bytes());
     assert_eq!(store(&mut ram).load(settings(0)).lost, Some((FaultCause::SettingsLost, 77)));
 }
 

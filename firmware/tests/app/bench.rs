@@ -1,116 +1,53 @@
 //! The application on a simulated axis, in process and in virtual time.
 
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::rc::Rc;
 
 use breakaway_core::link::{
-    Bounds, Command, Decoder, Ended, Event, FULL_SCALE_CODE, FaultRecord, MAX_FRAME, Message, Reference, Relay, Reply,
-    Request, Sample, Settings, Status, encode,
+    Command, Decoder, Ended, Event, FULL_SCALE_CODE, FaultRecord, MAX_FRAME, Message, Reply, Request, Sample, Settings,
+    Status, encode,
 };
 use breakaway_core::plant::{Base, Drive as Held, Effect, Plant, State};
 use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
-use breakaway_firmware::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip, Wire};
+use breakaway_firmware::board::RETAINED_WORDS;
 use breakaway_firmware::storage::{Loaded, NoStore};
+use breakaway_rig::{FULL_SCALE, Motion, STEP, Shared, TICK_HZ};
 
 /// The papers' plant at 1 kHz behind an encoder of 1 mrad and a drive of ±5 V.
 pub const PLANT: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
-pub const TICK_HZ: u32 = 1000;
-pub const STEP: f64 = 1e-3;
-pub const FULL_SCALE: f64 = 5.0;
 
-/// What is outside of the microcontroller, and what is wrong with it.
-#[allow(clippy::struct_excessive_bools, reason = "independent things that break")]
-pub struct World {
-    pub plant: State<f64>,
+/// The plant that the drive moves.
+#[derive(Debug)]
+pub struct Axis {
+    pub state: State<f64>,
     pub base: Base<f64>,
     pub effects: Vec<Effect<f64>>,
-    pub drive: i16,
-    pub enabled: bool,
-    pub now_us: u32,
-    pub frozen: Option<i32>,
-    pub jump: i32,
-    pub dead_encoder: bool,
-    pub reversed: bool,
-    pub trip: Option<Trip>,
-    pub late_us: u32,
-    pub broken_drive: bool,
-    pub fed: u32,
-    pub retained: [u32; RETAINED_WORDS],
-    pub to_board: VecDeque<u8>,
-    pub from_board: Vec<u8>,
 }
 
-#[derive(Clone)]
-pub struct Shared(pub Rc<RefCell<World>>);
+impl Default for Axis {
+    fn default() -> Self {
+        Self { state: Plant { base: PLANT, effects: &[] }.at_rest(0.0), base: PLANT, effects: Vec::new() }
+    }
+}
 
-impl Encoder for Shared {
-    type Error = ();
-    fn count(&mut self) -> Result<i32, ()> {
-        let world = self.0.borrow();
-        let count = (world.plant.x / STEP).round() as i32 * if world.reversed { -1 } else { 1 };
-        if world.dead_encoder { Err(()) } else { Ok(world.frozen.unwrap_or(count) + world.jump) }
+impl Motion for Axis {
+    fn counts(&self) -> i32 {
+        (self.state.x / STEP).round() as i32
+    }
+    fn advance(&mut self, code: i16) {
+        let volts = f64::from(code) / f64::from(FULL_SCALE_CODE) * FULL_SCALE;
+        let plant = Plant { base: self.base, effects: &self.effects };
+        plant.advance(&mut self.state, Held { u: &[volts], ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
     }
 }
-impl Drive for Shared {
-    type Error = ();
-    fn enable(&mut self) -> Result<(), ()> {
-        self.0.borrow_mut().enabled = true;
-        Ok(())
-    }
-    fn apply(&mut self, command: i32) -> Result<Applied, ()> {
-        let mut world = self.0.borrow_mut();
-        if world.broken_drive {
-            return Err(());
-        }
-        let code = command.clamp(-i32::from(FULL_SCALE_CODE), i32::from(FULL_SCALE_CODE)) as i16;
-        world.drive = if world.enabled { code } else { 0 };
-        Ok(Applied { code: world.drive, limited: i32::from(code) != command })
-    }
-    fn off(&mut self) -> Result<(), ()> {
-        let mut world = self.0.borrow_mut();
-        (world.enabled, world.drive) = (false, 0);
-        Ok(())
-    }
-}
-impl Clock for Shared {
-    fn now_us(&self) -> u32 {
-        self.0.borrow().now_us
-    }
-}
-impl Protection for Shared {
-    fn tripped(&mut self) -> Option<Trip> {
-        self.0.borrow().trip
-    }
-    fn feed_watchdog(&mut self) {
-        self.0.borrow_mut().fed += 1;
-    }
-}
-impl Retained for Shared {
-    fn read(&self) -> [u32; RETAINED_WORDS] {
-        self.0.borrow().retained
-    }
-    fn write(&mut self, words: [u32; RETAINED_WORDS]) {
-        self.0.borrow_mut().retained = words;
-    }
-}
-impl Wire for Shared {
-    fn read(&mut self, buffer: &mut [u8]) -> usize {
-        let mut world = self.0.borrow_mut();
-        let n = buffer.len().min(world.to_board.len());
-        world.to_board.drain(..n).zip(buffer).for_each(|(byte, slot)| *slot = byte);
-        n
-    }
-    fn write(&mut self, bytes: &[u8]) -> usize {
-        self.0.borrow_mut().from_board.extend(bytes);
-        bytes.len()
-    }
-}
+
+pub type World = breakaway_rig::World<Axis>;
+
 /// A running board and its host.
 pub struct Bench {
-    pub world: Shared,
-    tick: Tick<'static, 'static, Shared, TrackController>,
-    app: App<'static, 'static, TrackController, Shared, NoStore>,
+    pub world: Shared<Axis>,
+    tick: Tick<'static, 'static, Shared<Axis>, TrackController>,
+    app: App<'static, 'static, TrackController, Shared<Axis>, NoStore>,
     decoder: Decoder,
     id: u16,
     pub replies: Vec<(u16, Reply)>,
@@ -134,47 +71,13 @@ pub fn settings() -> Settings {
     }
 }
 
-pub fn code(volts: f64) -> i16 {
-    (volts / FULL_SCALE * f64::from(FULL_SCALE_CODE)).round() as i16
-}
-
-pub fn relay(h1: f64, h2: f64, ticks: u32) -> Relay {
-    Relay {
-        h1_code: code(h1),
-        h2_code: code(h2),
-        hysteresis_counts: Some(1),
-        reference: Reference::default(),
-        until_settled: false,
-        append: true,
-        bounds: Bounds { max_ticks: ticks, ..Bounds::default() },
-    }
-}
-
 impl Bench {
     pub fn new() -> Self {
         Self::with_memory([0; RETAINED_WORDS], settings())
     }
 
     pub fn with_memory(retained: [u32; RETAINED_WORDS], settings: Settings) -> Self {
-        let world = Shared(Rc::new(RefCell::new(World {
-            plant: Plant { base: PLANT, effects: &[] }.at_rest(0.0),
-            base: PLANT,
-            effects: Vec::new(),
-            drive: 0,
-            enabled: false,
-            now_us: 0,
-            frozen: None,
-            jump: 0,
-            dead_encoder: false,
-            reversed: false,
-            trip: None,
-            late_us: 0,
-            broken_drive: false,
-            fed: 0,
-            retained,
-            to_board: VecDeque::new(),
-            from_board: Vec::new(),
-        })));
+        let world = Shared(Rc::new(RefCell::new(World { retained, ..World::default() })));
         let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ };
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));
@@ -209,12 +112,7 @@ impl Bench {
         self.tick.tick();
         assert_eq!(self.app.poll(), Wish::Nothing);
         self.receive();
-        let world = &mut *self.world.0.borrow_mut();
-        let volts = f64::from(world.drive) / f64::from(FULL_SCALE_CODE) * FULL_SCALE;
-        let plant = Plant { base: world.base, effects: &world.effects };
-        let ts = 1.0 / f64::from(TICK_HZ);
-        plant.advance(&mut world.plant, Held { u: &[volts], ts, t: 0.0 }, 4);
-        world.now_us += 1_000_000 / TICK_HZ + world.late_us;
+        self.world.0.borrow_mut().advance();
     }
 
     pub fn steps(&mut self, n: u32) {

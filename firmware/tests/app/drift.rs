@@ -9,7 +9,7 @@ use crate::track::{model, pid};
 /// A sine of 1 rad at 0.5 Hz, without end, on a bench that has the model of its plant.
 fn following(effects: &[Effect<f64>]) -> Bench {
     let mut bench = Bench::new();
-    bench.world.0.borrow_mut().effects = effects.to_vec();
+    bench.world.0.borrow_mut().plant.effects = effects.to_vec();
     let effects = effects.iter().map(WireEffect::new).collect();
     let model = breakaway_core::link::Model { effects, ..model() };
     assert_eq!(bench.command(Command::LoadModel(model)), Reply::Done);
@@ -37,7 +37,7 @@ fn a_change_of_friction_is_told_within_two_seconds() {
         // Taught by a stroke and a half either way.
         bench.steps(5_000);
         assert_eq!(mismatches(&bench), [], "before anything has changed");
-        bench.world.0.borrow_mut().base = Base { f1: factor * PLANT.f1, ..PLANT };
+        bench.world.0.borrow_mut().plant.base = Base { f1: factor * PLANT.f1, ..PLANT };
         let mut ticks = 0;
         while mismatches(&bench).is_empty() {
             bench.step();
@@ -70,7 +70,7 @@ fn each_run_is_learnt_anew() {
     bench.steps(30_000);
     assert_eq!(bench.command(Command::Stop), Reply::Done);
     assert_eq!(bench.until_ended(10).ending, Ending::Stopped);
-    bench.world.0.borrow_mut().base = Base { f1: 1.3 * PLANT.f1, ..PLANT };
+    bench.world.0.borrow_mut().plant.base = Base { f1: 1.3 * PLANT.f1, ..PLANT };
     let changed = breakaway_core::link::Model { f1: 1.3 * model().f1, ..model() };
     assert_eq!(bench.command(Command::LoadModel(changed)), Reply::Done);
     for trajectory in [Trajectory::Sine { amplitude: 1.0, period_s: 2.0 }, Trajectory::Hold] {

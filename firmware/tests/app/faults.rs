@@ -2,8 +2,9 @@
 
 use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply};
 use breakaway_firmware::board::Trip;
+use breakaway_rig::relay;
 
-use crate::bench::{Bench, World, relay, settings};
+use crate::bench::{Bench, World, settings};
 
 /// A relay experiment in full swing.
 fn running() -> Bench {
@@ -44,7 +45,7 @@ fn a_frozen_encoder() {
     let mut bench = running();
     // 200 ticks of the settings, and up to half a cycle (T = 0.72 s) until both relays push the same way.
     let record = after(&mut bench, 200 + 362, FaultCause::EncoderFrozen, |world| {
-        world.frozen = Some((world.plant.x / 1e-3) as i32);
+        world.frozen = Some((world.plant.state.x / 1e-3) as i32);
     });
     assert_eq!((record.value, record.limit), (200, 200));
 }

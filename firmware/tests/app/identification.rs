@@ -3,8 +3,9 @@
 use breakaway_core::estimate::modulating::{Block, Modulating, estimate};
 use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
 use breakaway_core::link::{Command, CommandError, Ending, Mode, Reply, Sample, Verdict};
+use breakaway_rig::{FULL_SCALE, STEP, relay};
 
-use crate::bench::{Bench, FULL_SCALE, PLANT, STEP, relay};
+use crate::bench::{Bench, PLANT};
 
 /// The two experiments of the papers' plant, 12 s each, with their samples.
 fn identified(bench: &mut Bench) -> (breakaway_core::link::Identified, Vec<Sample>) {

@@ -2,9 +2,10 @@
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{Bounds, Command, CommandError, Ending, Field, Limit, Mode, OpenLoop, Reply, Settings};
+use breakaway_rig::{code, relay};
 use proptest::prelude::*;
 
-use crate::bench::{Bench, code, relay, settings};
+use crate::bench::{Bench, settings};
 
 #[test]
 fn who_it_is_and_what_it_does() {

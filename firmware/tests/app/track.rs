@@ -6,8 +6,9 @@ use breakaway_core::link::{
     Reply, Sample, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
+use breakaway_rig::{FULL_SCALE, STEP};
 
-use crate::bench::{Bench, FULL_SCALE, PLANT, STEP};
+use crate::bench::{Bench, PLANT};
 
 pub fn model() -> Model {
     let (b, c, f1) = (PLANT.b as f32, PLANT.c as f32, PLANT.f1 as f32);
@@ -74,9 +75,9 @@ fn cogging_is_compensated_where_the_axis_is() {
     for (start, known) in [(0.0, true), (1.3, true), (1.3, false)] {
         let mut bench = Bench::new();
         {
-            let mut world = bench.world.0.borrow_mut();
-            world.effects = vec![effect];
-            world.plant = Plant { base: PLANT, effects: &world.effects }.at_rest(start);
+            let axis = &mut bench.world.0.borrow_mut().plant;
+            axis.effects = vec![effect];
+            axis.state = Plant { base: PLANT, effects: &axis.effects }.at_rest(start);
         }
         let effects = known.then(|| WireEffect::new(&effect)).into_iter().collect();
         assert_eq!(bench.command(Command::LoadModel(Model { effects, ..model() })), Reply::Done);

@@ -6,7 +6,7 @@ pub mod table;
 use breakaway::discover::engine::{Request, discover};
 use breakaway::discover::outcome::{Discovery, Verdict};
 use breakaway::recording::{Recording, Units};
-use breakaway_hidden::{Case, Hidden, Role, Session, Truth};
+use breakaway_hidden::{Case, Hidden, Record, Role, Session, Truth};
 
 /// What became of one case.
 #[derive(Clone, Debug)]
@@ -37,20 +37,20 @@ pub struct Scored {
 
 /// The recordings of a session as the tool reads them.
 pub fn recordings(session: &Session, role: Role) -> Vec<Recording> {
-    session
-        .records
-        .iter()
-        .filter(|record| record.role == role)
-        .map(|record| Recording {
-            name: record.name.to_owned(),
-            t: record.t.clone(),
-            u: record.u.clone(),
-            x: record.x.clone(),
-            encoder_step: Some(session.encoder_step),
-            units: Units { u: session.drive_unit.to_owned(), x: session.position_unit.to_owned() },
-            ..Recording::default()
-        })
-        .collect()
+    session.records.iter().filter(|record| record.role == role).map(|record| recording(session, record)).collect()
+}
+
+/// A record of a session as the tool reads it.
+pub fn recording(session: &Session, record: &Record) -> Recording {
+    Recording {
+        name: record.name.to_owned(),
+        t: record.t.clone(),
+        u: record.u.clone(),
+        x: record.x.clone(),
+        encoder_step: Some(session.encoder_step),
+        units: Units { u: session.drive_unit.to_owned(), x: session.position_unit.to_owned() },
+        ..Recording::default()
+    }
 }
 
 /// Discovers a case blind and scores it.

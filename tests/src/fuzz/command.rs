@@ -9,10 +9,11 @@ use breakaway_core::link::{
 };
 use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
 use breakaway_firmware::storage::{Loaded, NoStore};
+use breakaway_rig::{Shared, TICK_HZ};
 use serde::Serialize;
 use serde::ser::SerializeTuple;
 
-use super::board::{Shared, TICK_HZ};
+use super::mass::Mass;
 
 /// Bytes that are sent without a frame around them.
 const RAW_BYTES: usize = 32;
@@ -32,7 +33,7 @@ impl Serialize for Raw<'_> {
 
 /// What the host sees.
 struct Host {
-    world: Shared,
+    world: Shared<Mass>,
     decoder: Decoder,
     /// Ids that are to be answered.
     waiting: std::collections::VecDeque<u16>,
@@ -87,7 +88,7 @@ impl Host {
 
 /// Sends what the bytes say, and looks at what comes back.
 pub fn run(bytes: &[u8]) -> bool {
-    let world = Shared::default();
+    let world = Shared::<Mass>::default();
     let settings = Settings { position_per_count: 1e-3, drive_full_scale: 5.0, ..Settings::default() };
     let identity = Identity { board: "fuzz", build: "fuzz", tick_hz: TICK_HZ };
     let mut sums = Sums::new();

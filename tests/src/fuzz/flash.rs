@@ -1,49 +1,14 @@
 //! The image of settings and model in flash: never a panic, never values out of range, before and after a save over it.
 
-use std::convert::Infallible;
-
 use breakaway_core::link::{FaultCause, Model, Settings, WireEffect};
 use breakaway_core::plant::{Effect, Kind};
 use breakaway_firmware::storage::{FlashStore, Loaded, Store};
-use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use breakaway_rig::Ram;
 
 /// Bytes of an erase page: small, so that most of an image matters.
 pub const PAGE: usize = 512;
 
-/// A flash of two pages that programs words of 8 bytes, as the STM32G4's.
-struct Ram(Vec<u8>);
-
-impl ErrorType for &mut Ram {
-    type Error = Infallible;
-}
-
-impl ReadNorFlash for &mut Ram {
-    const READ_SIZE: usize = 1;
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
-        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
-        Ok(())
-    }
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-}
-
-impl NorFlash for &mut Ram {
-    const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = PAGE;
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
-        self.0[from as usize..to as usize].fill(0xff);
-        Ok(())
-    }
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
-        for (cell, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
-            *cell &= byte;
-        }
-        Ok(())
-    }
-}
-
-fn open(ram: &mut Ram) -> FlashStore<&mut Ram> {
+fn open(ram: &mut Ram<PAGE>) -> FlashStore<&mut Ram<PAGE>> {
     FlashStore::new(ram, 0..2 * PAGE as u32).unwrap()
 }
 
@@ -52,9 +17,7 @@ fn open(ram: &mut Ram) -> FlashStore<&mut Ram> {
 /// # Panics
 /// Where a promise is broken.
 pub fn run(bytes: &[u8]) -> bool {
-    let mut image = bytes.to_vec();
-    image.resize(2 * PAGE, 0xff);
-    let mut ram = Ram(image);
+    let mut ram = Ram::new(bytes.to_vec());
     let defaults = Settings { frozen_ticks: 4321, ..Settings::default() };
     let settings = Settings { frozen_ticks: 1234, ..Settings::default() };
     let (loaded, saved) = {
@@ -82,13 +45,13 @@ pub fn images() -> Vec<(&'static str, Vec<u8>)> {
     [("settings", 1, None), ("model", 1, Some(&model)), ("often", 9, Some(&model))]
         .into_iter()
         .map(|(name, saves, model)| {
-            let mut ram = Ram(vec![0xff; 2 * PAGE]);
+            let mut ram = Ram::new(Vec::new());
             for _ in 0..saves {
                 let mut store = open(&mut ram);
                 store.load(Settings::default());
                 store.save(&Settings::default(), model).unwrap();
             }
-            (name, ram.0)
+            (name, ram.cells)
         })
         .collect()
 }

@@ -4,12 +4,12 @@
 //! Each panics where a promise is broken, and says whether the input was accepted: a test in which nothing is accepted,
 //! or nothing refused, tests nothing.
 
-mod board;
 mod command;
 pub mod damage;
 mod experiment;
 pub mod flash;
 mod frame;
+mod mass;
 mod model;
 mod recording;
 

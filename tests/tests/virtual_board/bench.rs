@@ -8,13 +8,9 @@ use breakaway::device::Client;
 use breakaway::device::virtual_board::{Fault, Machine, Options, VirtualBoard};
 use breakaway::model::Model;
 use breakaway_core::link::{
-    BAUD, Bounds, Command, Ended, Event, FULL_SCALE_CODE, FaultCause, FaultRecord, Message, Mode, Reference, Relay,
-    Reply, Sample, Settings,
+    BAUD, Command, Ended, Event, FaultCause, FaultRecord, Message, Mode, Reply, Sample, Settings,
 };
-
-pub const TICK_HZ: u32 = 1000;
-pub const STEP: f64 = 1e-3;
-pub const FULL_SCALE: f64 = 5.0;
+use breakaway_rig::{FULL_SCALE, STEP, TICK_HZ, relay};
 
 /// The papers' plant at 1 kHz, encoder step 1 mrad, ±5 V, as fast as three times real time.
 pub fn options(model: &Model) -> Options {
@@ -36,22 +32,6 @@ pub fn options(model: &Model) -> Options {
 pub fn start(options: &Options) -> VirtualBoard {
     // A missing QEMU or image fails the test with the command that brings it.
     VirtualBoard::start(options).unwrap_or_else(|error| panic!("{error}"))
-}
-
-pub fn code(volts: f64) -> i16 {
-    (volts / FULL_SCALE * f64::from(FULL_SCALE_CODE)).round() as i16
-}
-
-pub fn relay(h1: f64, h2: f64, ticks: u32) -> Relay {
-    Relay {
-        h1_code: code(h1),
-        h2_code: code(h2),
-        hysteresis_counts: Some(1),
-        reference: Reference::default(),
-        until_settled: false,
-        append: true,
-        bounds: Bounds { max_ticks: ticks, ..Bounds::default() },
-    }
 }
 
 /// A board with a client on it.

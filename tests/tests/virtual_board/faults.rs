@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use breakaway::device::virtual_board::{Fault, MOST_GARBAGE};
 use breakaway_core::link::{Command, Ending, Event, FaultCause, Limit, Mode, Reply};
+use breakaway_rig::relay;
 
-use crate::bench::{Bench, relay};
+use crate::bench::Bench;
 
 #[test]
 fn a_frozen_encoder() {

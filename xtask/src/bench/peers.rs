@@ -48,6 +48,17 @@ impl Part {
             Self::Instructions => "instructions",
         }
     }
+
+    /// What runs on this machine's clock, beside the Python peers; instructions are counted on the virtual board instead.
+    fn timed(self) -> Option<fn(&Bench) -> Result<()>> {
+        match self {
+            Self::Discovery => Some(Bench::discovery),
+            Self::Sine => Some(Bench::sine),
+            Self::Friction => Some(Bench::friction),
+            Self::Simulate => Some(Bench::simulate),
+            Self::Instructions => None,
+        }
+    }
 }
 
 /// Where everything is.
@@ -62,23 +73,14 @@ pub fn run_parts(parts: &[Part]) -> Result<()> {
     let parts = if parts.is_empty() { PARTS.as_slice() } else { parts };
     let folder = target_folder().join("peers");
     fs::create_dir_all(&folder)?;
-    let (counted, timed): (Vec<Part>, Vec<Part>) = parts.iter().partition(|part| **part == Part::Instructions);
-    if !timed.is_empty() {
-        let bench = Bench::new(folder.clone())?;
-        for part in timed {
-            println!("\n==> {}", part.name());
-            match part {
-                Part::Discovery => bench.discovery()?,
-                Part::Sine => bench.sine()?,
-                Part::Friction => bench.friction()?,
-                Part::Simulate => bench.simulate()?,
-                Part::Instructions => {}
-            }
+    let timed = parts.iter().any(|part| part.timed().is_some());
+    let bench = timed.then(|| Bench::new(folder.clone())).transpose()?;
+    for part in parts {
+        println!("\n==> {}", part.name());
+        match (part.timed(), &bench) {
+            (Some(timed), Some(bench)) => timed(bench)?,
+            _ => instructions(&folder)?,
         }
-    }
-    if !counted.is_empty() {
-        println!("\n==> {}", Part::Instructions.name());
-        instructions(&folder)?;
     }
     page(&folder)
 }

@@ -2,6 +2,7 @@
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_semihosting::{debug, hprintln};
 
 /// The counter's 24 bits.
 const RELOAD: u32 = 0x00ff_ffff;
@@ -53,4 +54,22 @@ impl Meter {
 #[unsafe(naked)]
 extern "C" fn nops() {
     core::arch::naked_asm!(".rept 200", "nop", ".endr", "bx lr")
+}
+
+/// Ends QEMU where an image has measured.
+pub fn done() -> ! {
+    end(debug::EXIT_SUCCESS)
+}
+
+/// Ends QEMU where a measuring image has panicked, and says why.
+pub fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
+    hprintln!("{}", info);
+    end(debug::EXIT_FAILURE)
+}
+
+fn end(status: debug::ExitStatus) -> ! {
+    debug::exit(status);
+    loop {
+        cortex_m::asm::wfi();
+    }
 }

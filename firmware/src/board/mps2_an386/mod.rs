@@ -10,7 +10,7 @@ mod uart;
 
 pub use flash::SimulatedFlash;
 pub use lockstep::{BOOT, Lockstep, Next, Received};
-pub use meter::Meter;
+pub use meter::{Meter, done, panicked};
 pub use uart::{Link, Uart};
 
 use breakaway_core::link::FULL_SCALE_CODE;

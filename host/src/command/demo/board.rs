@@ -8,8 +8,8 @@ use anyhow::Context;
 use breakaway_core::plant::Effect;
 use serde::Serialize;
 
-use super::{Args, hidden, write};
-use crate::command::discover::{hash, improved};
+use super::{Args, hidden, session, write};
+use crate::command::discover::improved;
 use crate::command::output::Output;
 use crate::command::progress;
 use crate::command::run::papers_plant;
@@ -20,13 +20,12 @@ use crate::control::reference::Reference;
 use crate::device::experiment::Runner;
 use crate::device::virtual_board::{Machine, Options, VirtualBoard};
 use crate::discover::engine::{Request, discover};
-use crate::discover::outcome::Provenance;
 use crate::file::make_folder;
 use crate::interrupt::{FinishFirst, finish_first};
 use crate::report::text::quantity;
 use crate::report::{discovery, tracking};
 use crate::simulate::experiment::Sensor;
-use crate::simulate::suite::{self, Role};
+use crate::simulate::suite;
 
 /// The board's axis: 1 kHz, steps of 1 mrad, ±5 V.
 const TICK_HZ: u32 = 1000;
@@ -164,33 +163,14 @@ fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFir
         let outcome = runner.run(ramp, interrupt)?;
         outcome.error.map_or(Ok(outcome.run), Err)
     })?;
-    let mut request = Request {
-        provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: format!("breakaway demo --virtual --seed {seed}"),
-            ..Provenance::default()
-        },
-        ..Request::default()
-    };
     let experiments = suite::suite(breakaway.moved_at, &machine);
     let bar = progress::bar("experiments on the virtual board", experiments.len() as u64);
-    for (role, experiment) in experiments {
-        let outcome = runner.run(&experiment, interrupt).with_context(|| experiment.name.clone())?;
-        if let Some(error) = outcome.error {
-            return Err(error.into());
-        }
-        let recording = outcome.run.recording;
-        let part = folder.join(if role == Role::Fit { "fit" } else { "score" });
-        make_folder(&part)?;
-        let file = part.join(format!("{}.csv", recording.name));
-        recording.write(&file)?;
-        request.provenance.inputs.push((file.display().to_string(), hash(&file)?));
-        match role {
-            Role::Fit => request.recordings.push(recording),
-            Role::Score => request.holdout.push(recording),
-        }
-        bar.inc(1);
-    }
+    let request =
+        session::recorded(folder, format!("breakaway demo --virtual --seed {seed}"), experiments, |experiment| {
+            let outcome = runner.run(experiment, interrupt).with_context(|| experiment.name.clone())?;
+            bar.inc(1);
+            outcome.error.map_or(Ok(outcome.run.recording), |error| Err(error.into()))
+        })?;
     bar.finish_and_clear();
     Ok(request)
 }

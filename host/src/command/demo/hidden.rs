@@ -5,15 +5,14 @@ use std::path::Path;
 use breakaway_core::plant::{Effect, Kind};
 use serde::Serialize;
 
-use super::{SENSOR, write};
-use crate::command::discover::{hash, improved};
+use super::{SENSOR, session, write};
+use crate::command::discover::improved;
 use crate::command::run::papers_plant;
-use crate::discover::engine::{Request, discover};
-use crate::discover::outcome::{Discovery, Provenance};
-use crate::file::make_folder;
+use crate::discover::engine::discover;
+use crate::discover::outcome::Discovery;
 use crate::report::discovery;
 use crate::simulate::axis::Axis;
-use crate::simulate::suite::{self, Machine, Role};
+use crate::simulate::suite::{self, Machine};
 
 /// What may be hidden in the axis: effects with their parameters, a tenth to a fifth of the drive in size.
 const HIDDEN: [(Kind, &[f64]); 7] = [
@@ -63,26 +62,10 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
     let mut axis = Axis::new(plant.base, &[Effect::new(kind, parameters)], plant.units.clone());
     let machine = Machine { drive_limit: 5.0, travel: 5.0, tick_s: 1e-3, sensor: SENSOR, seed };
     let breakaway = suite::breakaway(&axis, &machine)?;
-    let mut request = Request {
-        provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: format!("breakaway demo --seed {seed}"),
-            ..Provenance::default()
-        },
-        ..Request::default()
-    };
-    for (role, experiment) in suite::suite(breakaway.moved_at, &machine) {
-        let recording = axis.run(&experiment)?.recording;
-        let part = folder.join(if role == Role::Fit { "fit" } else { "score" });
-        make_folder(&part)?;
-        let file = part.join(format!("{}.csv", recording.name));
-        recording.write(&file)?;
-        request.provenance.inputs.push((file.display().to_string(), hash(&file)?));
-        match role {
-            Role::Fit => request.recordings.push(recording),
-            Role::Score => request.holdout.push(recording),
-        }
-    }
+    let experiments = suite::suite(breakaway.moved_at, &machine);
+    let request = session::recorded(folder, format!("breakaway demo --seed {seed}"), experiments, |experiment| {
+        Ok(axis.run(experiment)?.recording)
+    })?;
     let found = discover(&request, &|_| ())?;
     let (report, model) = (folder.join("discovery.html"), folder.join("improved.toml"));
     write(&report, &discovery::html(&found))?;

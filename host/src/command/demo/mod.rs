@@ -2,6 +2,7 @@
 
 mod board;
 mod hidden;
+mod session;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
