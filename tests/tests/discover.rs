@@ -117,6 +117,12 @@ fn a_model_that_leaves_much_is_begun_again() {
     both_named(&["load_friction", "dead_zone"], 831);
 }
 
+/// What gained most was a gap, which halved what was left and left 20 times the noise. A second body is doubted like any other law.
+#[test]
+fn a_gap_that_leaves_much_is_doubted() {
+    both_named(&["saturation", "gain_drift"], 842);
+}
+
 /// A third of a millisecond, a third of a sample: what tells a lag from a delay happens within the sample.
 #[test]
 fn a_lag_shorter_than_a_sample_is_no_delay() {

@@ -137,11 +137,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Chains that begin with another effect of the first round, where this one leaves more than the noise: what gained most
-    /// while two were missing may be neither. Those that most segments bear out first; a second body, which leaves impacts that
-    /// no law follows, is not doubted.
+    /// while two were missing may be neither. Those that most segments bear out first.
     pub(super) fn begun_otherwise(&self) -> impl Iterator<Item = Self> {
-        let bodies = self.named.iter().any(|named| named.effect.kind.second_body());
-        let opening = self.opening.as_ref().filter(|_| !self.named.is_empty() && !bodies && !self.explained());
+        let opening = self.opening.as_ref().filter(|_| !self.named.is_empty() && !self.explained());
         opening.into_iter().flat_map(|round| {
             let places = others(&round.data, &round.current, &round.tried, self.named[0].effect.kind);
             places.into_iter().take(OTHER_BEGINNINGS).filter_map(|index| {
@@ -158,11 +156,16 @@ impl<'a> Chain<'a> {
         })
     }
 
-    /// Whether this is to stand in the place of `first`, which it was begun otherwise from: it comes down to the noise, and not
-    /// by an effect more than those of `first`, where that found none that holds.
+    /// Whether this is to stand in the place of `first`, which it was begun otherwise from: it comes down to the noise by names that
+    /// hold, and not by an effect more than those of `first`, where that found none that holds.
     pub(super) fn replaces(&self, first: &Self) -> bool {
         let more = first.named.iter().all(|a| self.named.iter().any(|b| a.effect.kind == b.effect.kind));
-        self.explained() && !more
+        self.explained() && !self.leaves_most() && !more
+    }
+
+    /// Whether all that is named would leave most of the gap.
+    fn leaves_most(&self) -> bool {
+        !self.named.is_empty() && self.base.1.leaves(&self.gap, LEAST_TOTAL)
     }
 
     /// Whether the model is down to the noise.
@@ -328,7 +331,7 @@ impl<'a> Chain<'a> {
     /// The verdict, and all that goes with it.
     pub(super) fn end(mut self) -> Ended {
         let (base, base_gap) = self.base.clone();
-        if !self.named.is_empty() && base_gap.leaves(&self.gap, LEAST_TOTAL) {
+        if self.leaves_most() {
             let names: Vec<&str> = self.named.iter().map(|n| n.effect.kind.name()).collect();
             self.remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
             (self.current, self.gap) = (base.clone(), base_gap);
