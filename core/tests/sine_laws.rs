@@ -68,7 +68,7 @@ fn in_f64_and_f32(record: &Counts, seed: u64) -> (SineFit<f64>, SineFit<f32>) {
 /// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth but in one
 /// of a hundred: there the harmonic leaves next to nothing between the blocks, the two sources of the noise disagree, and
 /// the rounding of what the blocks do not see of the sine decides what each counts. In 6 000 others 32 were off by more, 5 by
-/// more than 1 %, 1 by more than 5 %: by 30 %, the longest of these tails, where 66 counts of 20 000 were left.
+/// more than 1 %, 1 by more than 5 %: by 30 %, where 66 counts of 20 000 were left.
 #[test]
 fn standard_errors_in_f32_are_those_of_f64() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);

@@ -19,7 +19,7 @@ const TEMPLATE: &str = "bench/peers/page.md";
 const FRICTION_SEEDS: [&str; 2] = ["801", "850"];
 /// Seeds of the blind cases, as `bench/peers/discovery.py` has them.
 const BLIND: [&[&str]; 2] =
-    [&["--sizes", "10,3", "--seeds", "701..703"], &["--sizes", "10", "--seeds", "701..713", "--effects", "none"]];
+    [&["--sizes", "10,3", "--seeds", "891..893"], &["--sizes", "10", "--seeds", "1901..1913", "--effects", "none"]];
 
 /// A part of the bench; its table has its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

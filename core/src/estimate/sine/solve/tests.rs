@@ -33,7 +33,8 @@ fn errors<R: SolverReal>(samples: u64) -> (f64, f64) {
 /// to a hundred, for it is a difference of two that are 1/x larger at the end of the series.
 #[test]
 fn the_kernel_is_the_sum_over_the_samples() {
-    for samples in [4, 9, 250, 10_001] {
+    let records = if cfg!(miri) { 2 } else { 4 };
+    for samples in [4, 9, 250, 10_001].into_iter().take(records) {
         let (sum, slope) = errors::<f64>(samples);
         assert!(sum < 1e-14 && slope < 1e-12, "{samples}: {sum:e} {slope:e}");
         let (sum, slope) = errors::<f32>(samples);
