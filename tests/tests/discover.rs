@@ -7,7 +7,7 @@
 use breakaway::discover::engine::{DiscoverError, Request, discover};
 use breakaway::discover::outcome::Verdict;
 use breakaway::identify::shooting::Candidate;
-use breakaway::recording::{ReadOptions, Recording};
+use breakaway::recording::{ReadOptions, Recording, Selection};
 use breakaway_core::plant::Base;
 use breakaway_hidden::{Case, Experiment, Role};
 use breakaway_tests::blind::{recordings, run};
@@ -227,10 +227,15 @@ fn a_model_in_other_units_is_refused() {
 }
 
 fn measured(file: &str, input: &str, position: &str) -> Option<Recording> {
+    rows_of(file, input, position, Vec::new())
+}
+
+fn rows_of(file: &str, input: &str, position: &str, select: Vec<Selection>) -> Option<Recording> {
     let options = ReadOptions {
         time: Some("t_s".into()),
         input: Some(input.into()),
         position: Some(position.into()),
+        select,
         ..ReadOptions::default()
     };
     Some(Recording::read(&measured_data()?.join(file), &options).unwrap())
@@ -270,4 +275,16 @@ fn the_laas_motor_is_not_explained() {
     assert!(matches!(found.verdict, Verdict::Unknown | Verdict::PartlyExplained), "{}", found.sentence);
     let said = format!("{:?} {:?}", found.nearest, found.effects);
     assert!(said.contains("cogging comes closest") && said.contains("n = 72.000"), "{said}");
+}
+
+/// The same motor with the compensated half of its run at constant speed: cogging of 12 waves with a friction of 18 made the typical
+/// segment better and the held-out error larger, 6.5 and 7.0 times the noise, and were named. What widens the gap is not named.
+#[test]
+fn what_widens_the_gap_is_not_named() {
+    let compensated = Selection { column: "anticog_on".into(), value: "1".into() };
+    let Some(dynamic) = measured("laas-motor/current-sine-2hz.csv", "iq_A", "x_rad") else { return };
+    let constant = rows_of("laas-motor/speed-control.csv", "iq_A", "x_rad", vec![compensated]).unwrap();
+    let recordings = vec![dynamic, constant];
+    let found = discover(&Request { recordings, ..Request::default() }, &|_| ()).unwrap();
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.sentence);
 }

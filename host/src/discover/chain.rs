@@ -160,12 +160,20 @@ impl<'a> Chain<'a> {
     /// hold, and not by an effect more than those of `first`, where that found none that holds.
     pub(super) fn replaces(&self, first: &Self) -> bool {
         let more = first.named.iter().all(|a| self.named.iter().any(|b| a.effect.kind == b.effect.kind));
-        self.explained() && !self.leaves_most() && !more
+        self.explained() && self.withdrawal().is_none() && !more
     }
 
-    /// Whether all that is named would leave most of the gap.
-    fn leaves_most(&self) -> bool {
-        !self.named.is_empty() && self.base.1.leaves(&self.gap, LEAST_TOTAL)
+    /// Why all that is named is not to be: what it would do to the gap. The typical segment may become better while those that
+    /// diverge grow.
+    fn withdrawal(&self) -> Option<&'static str> {
+        let base = &self.base.1;
+        if self.named.is_empty() {
+            None
+        } else if base.leaves(&self.gap, LEAST_TOTAL) {
+            Some("leave most of the gap")
+        } else {
+            (!self.gap.shrinks(base)).then_some("widen the gap")
+        }
     }
 
     /// Whether the model is down to the noise.
@@ -331,9 +339,9 @@ impl<'a> Chain<'a> {
     /// The verdict, and all that goes with it.
     pub(super) fn end(mut self) -> Ended {
         let (base, base_gap) = self.base.clone();
-        if self.leaves_most() {
+        if let Some(harm) = self.withdrawal() {
             let names: Vec<&str> = self.named.iter().map(|n| n.effect.kind.name()).collect();
-            self.remarks.push(format!("{} would leave most of the gap: not named", names.join(" and ")));
+            self.remarks.push(format!("{} would {harm}: not named", names.join(" and ")));
             (self.current, self.gap) = (base.clone(), base_gap);
             self.named.clear();
             self.ladder.truncate(1);

@@ -96,6 +96,10 @@ impl Gap {
     pub(super) fn leaves(&self, after: &Self, least: f64) -> bool {
         self.share(after) < least && after.mean_log > 0.5 * self.mean_log
     }
+    /// Whether the root mean square error, with all its worst segments, is lower than that of `other`.
+    pub(super) fn shrinks(&self, other: &Self) -> bool {
+        self.rmse < other.rmse
+    }
     pub(super) fn real(&self) -> bool {
         self.mean_log > GAP_NOISE && self.above > LEFT_OVER
     }

@@ -260,3 +260,10 @@ fn bodies_explain_what_closes_in_open_loop() {
     assert!(!BEFORE.explained_by_bodies(&Gap { above: 0.06, ..after }));
     assert!(!EXPLAINED.explained_by_bodies(&after));
 }
+
+/// A name must lower the root mean square, whatever became of the logarithms.
+#[test]
+fn a_gap_as_wide_as_before_has_not_shrunk() {
+    let after = |rmse| Gap { rmse, mean_log: 0.1, ..BEFORE };
+    assert!(after(1.999).shrinks(&BEFORE) && !after(2.0).shrinks(&BEFORE) && !after(2.2).shrinks(&BEFORE));
+}
