@@ -123,6 +123,14 @@ fn a_gap_that_leaves_much_is_doubted() {
     both_named(&["saturation", "gain_drift"], 842);
 }
 
+/// A weak coupling, whose base leaves 1.01 times the noise: begun otherwise the model comes down to the noise, too, by what would be
+/// withdrawn for leaving most of the gap. That took the coupling's place, and nothing was named.
+#[test]
+fn what_would_be_withdrawn_takes_no_place() {
+    let (scored, _) = run(&Case::suite(876, &["flexible_coupling"], 1.0).unwrap()).unwrap();
+    assert!(scored.right(), "{scored:?}");
+}
+
 /// A third of a millisecond, a third of a sample: what tells a lag from a delay happens within the sample.
 #[test]
 fn a_lag_shorter_than_a_sample_is_no_delay() {
