@@ -1,7 +1,7 @@
 //! Prints the table of identification.md section 4 (RMS error of each estimator by encoder step and noise) and the
 //! throughput of the streaming estimator.
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/all/support/mod.rs"]
 mod support;
 
 use breakaway_core::estimate::describing_function::{CycleFit, describing_function};

@@ -169,7 +169,7 @@ fn page(runs: &[(u32, Vec<Moment>)], experiment: &Experiment) -> String {
         "# The adaptive controller
 
 The law is `breakaway_core::control::Adaptive` (derivation, errata and proof: [theory.md](theory.md), section 6). This page is written by its test
-(`BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test pages`); every number and figure below is the core's own law on the event-exact plant.
+(`BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test all pages::`); every number and figure below is the core's own law on the event-exact plant.
 
 What differs from the paper's eqs 22–31, beyond the errata:
 

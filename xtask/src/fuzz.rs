@@ -1,6 +1,6 @@
 //! `cargo xtask fuzz`: every input under libFuzzer, from the seeds of fuzz/corpus.
 //!
-//! The targets are in tests/src/fuzz; their bounded test in the suite is tests/tests/fuzz.rs. Runs on the active toolchain:
+//! The targets are in tests/src/fuzz; their bounded test in the suite is tests/tests/all/fuzz.rs. Runs on the active toolchain:
 //! there is no sanitizer, because the project's own code has no `unsafe` that runs on the host.
 
 use std::fs;
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(outcome.found.as_deref(), Some("found/crash-12ab"));
     }
 
-    /// Every program has its seeds; that it has its target is seen by tests/tests/fuzz.rs, which names them all.
+    /// Every program has its seeds; that it has its target is seen by tests/tests/all/fuzz.rs, which names them all.
     #[test]
     fn every_target_has_seeds() {
         let known = known().unwrap();

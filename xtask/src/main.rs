@@ -112,7 +112,7 @@ fn main() -> ExitCode {
 }
 
 #[cfg(test)]
-#[path = "../../tests/tests/docs/commands.rs"]
+#[path = "../../tests/tests/all/docs/commands.rs"]
 mod commands;
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ mod tests {
     use super::Task;
     use super::commands::{Program, lines, pages};
 
-    /// Every `cargo xtask` line of the README and the pages; those of `breakaway` are tested in tests/tests/docs.rs.
+    /// Every `cargo xtask` line of the README and the pages; those of `breakaway` are tested in tests/tests/all/docs.rs.
     #[test]
     fn the_pages_lines_parse() {
         let mut seen = 0;

@@ -1,5 +1,5 @@
 //! What every input must keep to, whatever its bytes: one function for each, run by libFuzzer (`cargo xtask fuzz`, the
-//! crate in fuzz/) and, on the committed corpus and some thousand damaged copies of it, by tests/tests/fuzz.rs.
+//! crate in fuzz/) and, on the committed corpus and some thousand damaged copies of it, by tests/tests/all/fuzz.rs.
 //!
 //! Each panics where a promise is broken, and says whether the input was accepted: a test in which nothing is accepted,
 //! or nothing refused, tests nothing.

@@ -1,13 +1,11 @@
 //! The modulating-function estimator on exactly simulated relay experiments.
 
-mod support;
-
+use crate::support::{Cycle, Plant, REFERENCE, Record, Sensor, experiment};
 use breakaway_core::estimate::modulating::{
     BaseEstimate, Block, Modulating, ModulatingError, ModulatingState, Parameter, Refusal, estimate,
 };
 use breakaway_core::scalar::SolverReal;
 use proptest::prelude::*;
-use support::{Cycle, Plant, REFERENCE, Record, Sensor, experiment};
 
 const FIRST: Cycle = Cycle { h1: 2.0, h2: 1.5, period: 0.723195 };
 const SECOND: Cycle = Cycle { h1: 1.0, h2: 0.7, period: 0.288730 };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use breakaway::recording::{ReadOptions, Recording};
 use breakaway_core::link::*;
 
-use crate::peer::{Peer, Then, batches, breakaway, failure, frame, reply, status};
+use super::peer::{Peer, Then, batches, breakaway, failure, frame, reply, status};
 
 const RELAY: &str = "name = \"relay\"\nduration_s = 0.5\n[excitation]\nkind = \"relay\"\nh1 = 2.0\nh2 = 1.5\n";
 

@@ -2,7 +2,7 @@
 //! files that the page shows. What the tutorial says a command prints is what it prints.
 #![cfg(unix)]
 
-#[path = "../../tests/tests/docs/commands.rs"]
+#[path = "../../../tests/tests/all/docs/commands.rs"]
 mod commands;
 
 use std::env;

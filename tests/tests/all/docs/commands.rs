@@ -1,5 +1,5 @@
 //! The command lines of README.md and docs/*.md, and the files that those pages show: shared by the tests that parse the
-//! lines (tests/tests/docs.rs, xtask) and those that run them (host/tests/walk.rs).
+//! lines (tests/tests/all/docs.rs, xtask) and those that run them (host/tests/all/walk.rs).
 
 use std::fs;
 use std::path::{Path, PathBuf};

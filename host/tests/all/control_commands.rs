@@ -1,13 +1,11 @@
 //! `tune` and `track` from outside: exit codes, JSON documents, files.
 
-mod support;
-
 use std::fs;
 
+use crate::support::{breakaway, json, keys, text};
 use breakaway::control::design::{Design, Request};
 use breakaway::model::Model;
 use proptest::prelude::*;
-use support::{breakaway, json, keys, text};
 
 const BASE: &str = "[base]\nb = 0.02685\nc = 0.11\nf1 = 0.5\n[units]\nu = \"V\"\nx = \"rad\"\n";
 const COGGING: &str = "[[effect]]\nname = \"cogging\"\nA = 0.2\nn = 7.0\nphi = 0.5\n";

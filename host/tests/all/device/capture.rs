@@ -6,7 +6,7 @@ use std::time::Duration;
 use breakaway::recording::{ReadOptions, Recording};
 use breakaway_core::link::*;
 
-use crate::peer::{Peer, Then, batches, breakaway, failure, frame, reply, samples_of, signal, start};
+use super::peer::{Peer, Then, batches, breakaway, failure, frame, reply, samples_of, signal, start};
 
 fn stream(batches: &[Batch]) -> Vec<u8> {
     batches.iter().flat_map(|batch| frame(&Message::Samples(batch.clone()))).collect()

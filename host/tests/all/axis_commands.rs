@@ -1,12 +1,10 @@
 //! `run`, `simulate`, `identify` and `effects` from outside: exit codes, the JSON documents of cli.md, the files they leave.
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{breakaway, json, keys, text};
 use serde_json::Value;
-use support::{breakaway, json, keys, text};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))

@@ -1,10 +1,8 @@
 //! The pages, so that they cannot rot: the examples of docs/formats.md are read by the real readers, every command line is
 //! parsed by the real definition of the command, and every file it needs comes from somewhere. The lines of the README and
-//! of the tutorial are run in host/tests/walk.rs; those of `cargo xtask` are parsed in xtask.
+//! of the tutorial are run in host/tests/all/walk.rs; those of `cargo xtask` are parsed in xtask.
 
-#[path = "docs/commands.rs"]
 mod commands;
-#[path = "docs/files.rs"]
 mod files;
 
 use std::collections::{BTreeMap, BTreeSet};

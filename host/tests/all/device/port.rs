@@ -2,7 +2,7 @@
 
 use breakaway_core::link::*;
 
-use crate::peer::{Peer, Then, breakaway, failure, frame, info, reply};
+use super::peer::{Peer, Then, breakaway, failure, frame, info, reply};
 
 #[test]
 fn a_port_that_is_not_there() {

@@ -1,13 +1,11 @@
 //! The dual relay and the limit-cycle detector around the exactly simulated reference plant.
 
-mod support;
-
+use crate::support::{Plant, REFERENCE, Run, Sensor, relay_run};
 use breakaway_core::estimate::limit_cycle::{
     DetectorSettings, Limit, LimitCycleDetector, NoLimitCycleReason, RelayOutcome,
 };
 use breakaway_core::excite::relay::{DualRelay, DualRelayState};
 use proptest::prelude::*;
-use support::{Plant, REFERENCE, Run, Sensor, relay_run};
 
 const IDEAL: Sensor = Sensor { q: 1e-6, sigma: 0.0 };
 

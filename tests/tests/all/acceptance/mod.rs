@@ -2,13 +2,13 @@
 //!
 //! | row | test |
 //! |---|---|
-//! | 1–5 | `core/tests/sine.rs` |
+//! | 1–5 | `core/tests/all/sine.rs` |
 //! | 6 | `host/src/simulate/limit_cycle.rs` |
 //! | 7, 8 | `core/src/estimate/papers.rs` |
 //! | 9 | `core/src/estimate/describing_function/tests.rs` |
-//! | 10–12 | `core/tests/modulating.rs`; again here, on the host's simulated axis |
+//! | 10–12 | `core/tests/all/modulating.rs`; again here, on the host's simulated axis |
 //! | 13 | here |
-//! | 14 | `core/tests/relay.rs`, `host/src/simulate/limit_cycle.rs` |
+//! | 14 | `core/tests/all/relay.rs`, `host/src/simulate/limit_cycle.rs` |
 //! | 15–18 | here |
 //!
 //! Here is what crosses crates: the core's estimators on the host's axis, the core's stepped plant against the host's

@@ -37,7 +37,7 @@ fn same(found: &str, made: &str) -> bool {
     a == b && p.len() == q.len() && p.iter().zip(&q).all(|(x, y)| (x - y).abs() <= 0.2 + 0.01 * y.abs())
 }
 
-/// `BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test pages` writes the files anew.
+/// `BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test all pages::` writes the files anew.
 fn check(files: Vec<adaptive_page::File>) {
     for (name, text) in files {
         let path = docs().join(&name);
