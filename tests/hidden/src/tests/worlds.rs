@@ -2,7 +2,7 @@
 
 use super::{close, papers};
 use crate::{
-    Case, Experiment, Item, Setting, World,
+    CATALOGUE, Case, Experiment, Item, Setting, World, drawn,
     plan::Kind,
     plant::{Plant, State},
 };
@@ -61,6 +61,27 @@ fn draws_fill_their_ranges() {
     half(worlds.iter().filter(|w| w.closed).count());
     half(worlds.iter().filter(|w| w.jitter.is_some_and(|j| j.true_stamps)).count());
     assert!(worlds.iter().all(|w| w.held_s.is_none_or(|held| held >= (2.0 * w.tick_s).min(20e-3))));
+}
+
+#[test]
+fn drawn_effects_fit_together() {
+    let (mut counts, mut names) = ([0; 4], Vec::new());
+    for seed in 0..600 {
+        let effects = drawn(seed, seed % 3);
+        counts[effects.len()] += 1;
+        for pair in [["backlash", "flexible_coupling"], ["dahl", "lugre"]] {
+            assert!(!pair.iter().all(|name| effects.contains(name)), "{effects:?}");
+        }
+        let mut sorted = effects.clone();
+        sorted.sort_unstable();
+        assert!(sorted.windows(2).all(|w| w[0] != w[1]), "{effects:?}");
+        names.extend(effects);
+    }
+    // 300, 200 and 100 are expected; five standard deviations of a binomial count.
+    for (count, (expected, deviation)) in counts.iter().zip([(0, 0), (300, 61), (200, 58), (100, 46)]) {
+        assert!((expected - deviation..=expected + deviation).contains(count), "{counts:?}");
+    }
+    assert!(CATALOGUE.iter().all(|name| names.contains(name)));
 }
 
 #[test]
