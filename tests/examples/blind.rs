@@ -3,16 +3,18 @@
 //! `--world unkind` makes it in the unkind world, `--world unkind:jitter,torque` with these items alone.
 //! With `--csv FILE` cases that the file holds already are not run again; `--table` only draws the tables of the file.
 //! `--pairs N` hides N random pairs instead, `--drawn N` one, two or three random effects in N cases of each seed. `--jobs N`
-//! works on N cases at once, each on one core: the seconds are then those of one core. `--minutes N` begins no case later.
+//! works on N cases at once, each on one core: the seconds are then those of one core. `--limit N`, with one job, gives a
+//! case up after N s of the processor: its row is written and the program ends with code 3; begun again, it goes on with
+//! the next case.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use breakaway_hidden::{Case, Setting};
 use breakaway_tests::blind::asked::Asked;
+use breakaway_tests::blind::limit::{Clock, Watch};
 use breakaway_tests::blind::rows::{HEADER, Row, UNKIND_HEADER};
 use breakaway_tests::blind::{run, table, told};
 
@@ -26,21 +28,24 @@ fn flag(name: &str) -> bool {
     std::env::args().any(|a| a == name)
 }
 
-fn one(case: &Case, setting: &Setting, verbose: bool) -> Row {
-    let started = Instant::now();
+fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
+    let clock = Clock::start();
     let row = match run(case) {
         Ok((scored, found)) => {
             if verbose {
-                told(&found).iter().for_each(|line| println!("       {line}"));
+                println!("       {}", told(&found).join("\n       "));
             }
             Row::new(case, setting, &scored)
         }
         Err(error) => {
-            let row = Row::error(case, setting, started.elapsed().as_secs_f64());
+            let row = Row::error(case, setting);
             println!("error {} {} % {}: {error}", row.hidden.join("+"), row.size_percent, row.seed);
             row
         }
     };
+    // With others beside it the process's time is not the case's.
+    let processor_s = clock.processor_s().filter(|_| alone).unwrap_or(f64::NAN);
+    let row = Row { processor_s, ..row };
     let mark = match (row.right(), row.wrong()) {
         (true, _) => "ok",
         (_, true) => "WRONG",
@@ -48,6 +53,15 @@ fn one(case: &Case, setting: &Setting, verbose: bool) -> Row {
     };
     println!("{mark:5} {}", row.line());
     row
+}
+
+/// Writes the row of a case that took too long, and ends.
+fn give_up(row: &Row, file: Option<&str>) {
+    println!("long  {}", row.line());
+    if let Some(mut file) = file.and_then(|f| OpenOptions::new().append(true).open(f).ok()) {
+        let _ = writeln!(file, "{}", row.line());
+    }
+    std::process::exit(3);
 }
 
 fn main() {
@@ -61,6 +75,7 @@ fn main() {
     let setting = &asked.setting;
     let mut todo = asked.cases().unwrap_or_else(|error| panic!("{error}"));
     todo.retain(|case| !known.iter().any(|row| row.is_of(case, setting)));
+    let path = file.clone();
     let mut output = file.map(|f| {
         let mut open =
             OpenOptions::new().create(true).append(true).open(f).expect("the file of rows cannot be written");
@@ -71,16 +86,19 @@ fn main() {
         open
     });
     let jobs: usize = option("jobs").and_then(|n| n.parse().ok()).unwrap_or(1);
-    let minutes: f64 = option("minutes").and_then(|n| n.parse().ok()).unwrap_or(f64::INFINITY);
-    let (started, next) = (Instant::now(), AtomicUsize::new(0));
+    let limit: Option<f64> = option("limit").and_then(|n| n.parse().ok()).filter(|_| jobs == 1);
+    let next = AtomicUsize::new(0);
     let rows: Mutex<Vec<Row>> = Mutex::new(Vec::new());
     let sink = Mutex::new(&mut output);
     let work = &|| {
         while let Some(case) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if started.elapsed().as_secs_f64() > 60.0 * minutes {
-                return;
-            }
-            let row = one(case, setting, flag("--verbose"));
+            let clock = Clock::start();
+            let watch = limit.map(|limit| {
+                let (row, file) = (Row::given_up(case, setting, limit), path.clone());
+                Watch::start(clock, limit, move || give_up(&row, file.as_deref()))
+            });
+            let row = one(case, setting, flag("--verbose"), jobs == 1);
+            drop(watch);
             if let Some(file) = sink.lock().expect("no other writer ended badly").as_mut() {
                 let _ = writeln!(file, "{}", row.line());
             }

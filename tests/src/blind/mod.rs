@@ -1,6 +1,7 @@
 //! Blind discovery: a hidden case, discovered without its truth, then scored against it.
 
 pub mod asked;
+pub mod limit;
 pub mod rows;
 pub mod rules;
 pub mod table;

@@ -1,6 +1,6 @@
 //! The blind matrix as rows of a file: written as cases end, read back to go on and to draw the table.
 //!
-//! A row of an unkind world has three cells more than one of the kind world; a file may hold both.
+//! A row of an unkind world has four cells more than one of the kind world; a file may hold both.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use super::{Scored, rules};
 pub const HEADER: &str = "experiment,hidden,size_percent,seed,verdict,named,tied,parameter_error,shrink,over_noise,over_truth,\
                           visibility,seconds";
 /// What the header of a file of an unkind world has more.
-pub const UNKIND_HEADER: &str = ",world,drawn,lead_tied";
+pub const UNKIND_HEADER: &str = ",world,drawn,lead_tied,processor_s";
 /// The kind world's name.
 const KIND: &str = "kind";
 
@@ -27,7 +27,7 @@ pub struct Row {
     pub size_percent: f64,
     /// Seed.
     pub seed: u64,
-    /// Verdict, or `error`.
+    /// Verdict, or `error`, or `given_up`.
     pub verdict: String,
     /// Effects named.
     pub named: Vec<String>,
@@ -51,6 +51,8 @@ pub struct Row {
     pub drawn: String,
     /// Effects listed as tied with the lead, which is the first name that the world does not excuse.
     pub lead_tied: Vec<String>,
+    /// Processor time of the case, s: generation, discovery and score; NaN where it is not known.
+    pub processor_s: f64,
 }
 
 fn list(names: &[&'static str]) -> Vec<String> {
@@ -79,12 +81,18 @@ impl Row {
             world: setting.name(),
             drawn: case.world.text(),
             lead_tied: Vec::new(),
+            processor_s: nothing,
         }
     }
 
-    /// The row of a case that ended in an error after so many seconds.
-    pub fn error(case: &Case, setting: &Setting, seconds: f64) -> Self {
-        Self { seconds, ..Self::empty(case, setting) }
+    /// The row of a case that ended in an error.
+    pub fn error(case: &Case, setting: &Setting) -> Self {
+        Self::empty(case, setting)
+    }
+
+    /// The row of a case that was given up after so much processor time.
+    pub fn given_up(case: &Case, setting: &Setting, processor_s: f64) -> Self {
+        Self { verdict: "given_up".to_owned(), processor_s, ..Self::empty(case, setting) }
     }
 
     /// The row of a scored case.
@@ -140,7 +148,8 @@ impl Row {
             let _ = write!(line, ",{value:.4}");
         }
         if !self.is_kind() {
-            let _ = write!(line, ",{},{},{}", self.world, self.drawn, self.lead_tied.join("+"));
+            let tied = self.lead_tied.join("+");
+            let _ = write!(line, ",{},{},{tied},{:.1}", self.world, self.drawn, self.processor_s);
         }
         line
     }
@@ -152,9 +161,9 @@ impl Row {
             return None;
         };
         let (numbers, world) = rest.split_at_checked(6)?;
-        let [world, drawn, lead_tied] = match world {
-            [] => [KIND, "", ""],
-            [world, drawn, lead_tied] => [*world, *drawn, *lead_tied],
+        let [world, drawn, lead_tied, processor_s] = match world {
+            [] => [KIND, "", "", "NaN"],
+            [world, drawn, lead_tied, processor_s] => [*world, *drawn, *lead_tied, *processor_s],
             _ => return None,
         };
         let names = |cell: &str| cell.split('+').filter(|n| !n.is_empty()).map(str::to_owned).collect::<Vec<_>>();
@@ -179,6 +188,7 @@ impl Row {
             world: world.to_owned(),
             drawn: drawn.to_owned(),
             lead_tied: names(lead_tied),
+            processor_s: processor_s.parse().ok()?,
         })
     }
 }
@@ -195,10 +205,10 @@ mod tests {
         assert_eq!(row.line(), line);
         assert!(row.is_kind() && row.drawn.is_empty());
         assert_eq!(Row::parse(HEADER), None);
-        let line = line.to_owned() + ",unkind:torque+zero,torque=0.120%@40Hz zero,stiction";
+        let line = line.to_owned() + ",unkind:torque+zero,torque=0.120%@40Hz zero,stiction,31.5";
         let row = Row::parse(&line).unwrap();
         assert_eq!(row.line(), line);
-        assert!(!row.is_kind() && row.lead_tied == ["stiction"]);
+        assert!(!row.is_kind() && row.lead_tied == ["stiction"] && row.processor_s == 31.5);
         assert_eq!(Row::parse(&(HEADER.to_owned() + UNKIND_HEADER)), None);
     }
 

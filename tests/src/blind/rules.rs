@@ -101,8 +101,10 @@ mod tests {
     /// A row of this world, with what is hidden, said and tied.
     fn row(drawn: &str, hidden: &str, verdict: &str, named: &str, lead_tied: &str) -> Row {
         let numbers = "NaN,NaN,NaN,NaN,NaN,1.0";
-        Row::parse(&format!("suite,{hidden},10,1,{verdict},{named},{lead_tied},{numbers},unkind,{drawn},{lead_tied}"))
-            .unwrap()
+        Row::parse(&format!(
+            "suite,{hidden},10,1,{verdict},{named},{lead_tied},{numbers},unkind,{drawn},{lead_tied},1.0"
+        ))
+        .unwrap()
     }
 
     #[test]
