@@ -66,7 +66,7 @@ enum Task {
     },
     /// Discover blind cases: the hidden plant, scored against its sealed truth, in release
     Blind {
-        /// Passed on: `--sizes 3,10 --seeds 1..5 --effects cogging,none --experiment suite --verbose`
+        /// Passed on: `--sizes 3,10 --seeds 1..5 --effects cogging,none --experiment suite --world unkind --verbose`
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },

@@ -1,4 +1,4 @@
-//! Random machines and random effect parameters, by seed.
+//! Random effect parameters, by seed.
 //!
 //! **Size.** With `F = size·A0`, A0 the suite's largest relay level h1 + h2 (V):
 //! - bias, stribeck s, stiction s, cogging A, gravity m, time_periodic A, dead_zone d, pwm d,
@@ -17,82 +17,10 @@
 //! - flexible_coupling: mass ratio 0.05 + 1.2·size, resonance 15–60 Hz.
 
 use crate::law::{Bristle, Law, Pwm, Second, Stribeck, Wave};
+use crate::machine::log_uniform;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
-
-/// The base parameters of b·ẍ + c·ẋ + f1·sgn ẋ = u.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Base {
-    /// Inertia, V·s²/rad.
-    pub b: f64,
-    /// Viscous coefficient (with back-EMF), V·s/rad.
-    pub c: f64,
-    /// Coulomb level, V.
-    pub f1: f64,
-}
-
-/// A random machine: base plant, encoder and drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Machine {
-    /// Base parameters.
-    pub base: Base,
-    /// Encoder step, rad.
-    pub encoder_step: f64,
-    /// Standard deviation of the Gaussian noise added before quantisation, rad.
-    pub noise_sigma: f64,
-    /// Largest drive, V.
-    pub drive_limit: f64,
-    /// A0, the high relay's h1 + h2, V.
-    pub amplitude: f64,
-}
-
-/// Uniform in the logarithm.
-pub fn log_uniform(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
-    rng.random_range(low.ln()..=high.ln()).exp()
-}
-
-impl Machine {
-    /// Around the papers' plant: b and c within ×0.3–3, f1 0.2–1 V, 2000–20000 steps per turn.
-    /// Drawn again until the relays' cycles are neither lost in the encoder nor too slow to repeat.
-    pub(crate) fn draw(rng: &mut ChaCha8Rng) -> Self {
-        loop {
-            let base = Base {
-                b: 0.02685 * log_uniform(rng, 0.3, 3.0),
-                c: 0.11 * log_uniform(rng, 0.3, 3.0),
-                f1: log_uniform(rng, 0.2, 1.0),
-            };
-            let lines = (log_uniform(rng, 2000.0, 20000.0) / 4.0).round() * 4.0;
-            let encoder_step = TAU / lines;
-            let machine = Self {
-                base,
-                encoder_step,
-                noise_sigma: rng.random_range(0.3..=1.0) * encoder_step,
-                drive_limit: 5.0,
-                amplitude: (7.0 * base.f1).min(4.9),
-            };
-            let (omega, a) = machine.relay_cycle();
-            let period = TAU / omega;
-            if (0.08..1.2).contains(&period) && a > 25.0 * encoder_step && a < 4.0 {
-                return machine;
-            }
-        }
-    }
-
-    /// Frequency (rad/s) and amplitude (rad) of the high relay's cycle on the base plant, by the
-    /// describing function (identification.md section 2).
-    pub(crate) fn relay_cycle(&self) -> (f64, f64) {
-        let Base { b, c, f1 } = self.base;
-        let (h1, h2) = (0.75 * self.amplitude, 0.25 * self.amplitude);
-        let surplus = h2 - f1;
-        (h1 * c / (b * surplus), 4.0 * b * surplus * surplus / (PI * c * c * h1))
-    }
-
-    /// The base plant.
-    pub(crate) fn law(&self) -> Law {
-        Law { b: self.base.b, c: self.base.c, f1: self.base.f1, ..Law::default() }
-    }
-}
 
 /// What the effects are sized against: the motion of the base plant in the same experiments.
 #[derive(Clone, Debug)]

@@ -7,8 +7,12 @@ use crate::law::Law;
 #[derive(Clone, Debug, Default)]
 pub struct Drive {
     shaped: Vec<f64>,
-    /// Sum of the samples before each one.
+    /// Begin of each sample, ticks after that of the recording.
+    starts: Vec<f64>,
+    /// Sum of the samples before each one, each times its length in ticks.
     before: Vec<f64>,
+    /// End of the last sample, ticks.
+    end: f64,
     lagged: f64,
     /// Index of the sample that is being held.
     held: usize,
@@ -24,22 +28,24 @@ impl Law {
 }
 
 impl Drive {
-    /// Begins to hold the next sample.
-    pub fn hold(&mut self, law: &Law, u: f64, t: f64) {
-        let past = match (self.before.last(), self.shaped.last()) {
-            (Some(before), Some(last)) => before + last,
+    /// Begins to hold the next sample, for so many ticks.
+    pub fn hold(&mut self, law: &Law, u: f64, t: f64, ticks: f64) {
+        let past = match (self.before.last(), self.shaped.last(), self.starts.last()) {
+            (Some(before), Some(last), Some(start)) => before + last * (self.end - start),
             _ => 0.0,
         };
         self.before.push(past);
+        self.starts.push(self.end);
+        self.end += ticks;
         self.held = self.shaped.len();
         self.shaped.push(law.shape(u, t));
     }
 
-    /// Mean delivered drive over the piece `[offset, offset + h]` of the held sample of length `ts`.
+    /// Mean delivered drive over the piece `[offset, offset + h]` of the held sample; `ts` is the tick.
     /// The mean is exact for a delay of any fraction of a sample, and for the pole within a piece.
     pub fn deliver(&mut self, law: &Law, offset: f64, h: f64, ts: f64) -> f64 {
         let delayed = if law.delay > 0.0 {
-            let end = (self.held as f64 + (offset + h - law.delay) / ts) * ts;
+            let end = (self.starts[self.held] + (offset + h - law.delay) / ts) * ts;
             (self.integral(end, ts) - self.integral(end - h, ts)) / h
         } else {
             self.shaped[self.held]
@@ -59,7 +65,9 @@ impl Drive {
         if position < 0.0 {
             return 0.0;
         }
-        let index = (position as usize).min(self.held);
-        ts * (self.before[index] + (position - index as f64) * self.shaped[index])
+        // A delay reaches back over a few samples only.
+        let later = self.starts[..=self.held].iter().rev().take_while(|start| **start > position).count();
+        let index = self.held - later;
+        ts * (self.before[index] + (position - self.starts[index]) * self.shaped[index])
     }
 }

@@ -1,5 +1,7 @@
 //! The names that can be hidden: the catalogue of the discovery specification, and what is outside it.
 
+use crate::machine::stream;
+use rand::{RngExt, seq::IndexedRandom};
 use std::fmt;
 
 /// The catalogue's names, exactly as in the table of effects (its `dahl, lugre` row is two names).
@@ -32,6 +34,31 @@ pub const CATALOGUE: [&str; 24] = [
 
 /// Effects that no catalogue entry describes: the right verdict is "unknown" or "partly explained".
 pub const OUTSIDE: [&str; 4] = ["force_well", "torque_bursts", "velocity_ripple", "position_gain"];
+
+/// Of these at most one can be in a plant: there is one second body, and one bristle.
+const EXCLUSIVE: [[&str; 2]; 2] = [["backlash", "flexible_coupling"], ["dahl", "lugre"]];
+/// First of the random streams from which effects are drawn.
+const FIRST_STREAM: u64 = 256;
+
+/// One, two or three effects of the catalogue that a plant can have together, by seed: one in half of the draws, two in a
+/// third. The draws of one seed are numbered by `index`.
+pub fn drawn(seed: u64, index: u64) -> Vec<&'static str> {
+    let mut rng = stream(seed, FIRST_STREAM + index);
+    let count = match rng.random_range(0..6) {
+        0..3 => 1,
+        3..5 => 2,
+        _ => 3,
+    };
+    let mut names: Vec<&'static str> = Vec::new();
+    while names.len() < count {
+        let Some(name) = CATALOGUE.choose(&mut rng).copied() else { break };
+        let excluded = EXCLUSIVE.iter().any(|two| two.contains(&name) && names.iter().any(|n| two.contains(n)));
+        if !excluded && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
 
 /// What is hidden in the plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,27 +1,28 @@
 //! How much of the truth the base model misses: as a force, and as a position.
 
 use crate::{
-    draw::Machine,
     law::Law,
-    plant::{Plant, State, TS},
-    session::Trace,
+    machine::Machine,
+    plant::{Plant, State},
+    run::Trace,
 };
 
-/// Segment over which the base plant is run open loop for the visibility, samples.
-const SEGMENT: usize = 400;
-/// Sub-steps for those runs.
-const SUBSTEPS: usize = 4;
+/// Segment over which the base plant is run open loop for the visibility, s.
+const SEGMENT_S: f64 = 0.4;
+/// Longest sub-step of those runs, s.
+const STEP_S: f64 = 2.5e-4;
 
-/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder:
-/// b·Δv/Ts + c·Δx/Ts + friction − u, friction being whatever within ±f1 explains most of it in the
+/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder, beyond the random torque
+/// and what the supply loses: b·Δv/Ts + c·Δx/Ts + friction − u − torque, friction being whatever within ±f1 explains most of it in the
 /// samples that hold a reversal or rest. The last sample has no end and is 0.
 pub fn gap_force(machine: &Machine, trace: &Trace) -> Vec<f64> {
     let base = machine.base;
     let mut gap: Vec<f64> = (1..trace.u.len())
         .map(|k| {
             let (v0, v1) = (trace.y_rate[k - 1], trace.y_rate[k]);
-            let motion = base.b * (v1 - v0) / TS + base.c * (trace.y[k] - trace.y[k - 1]) / TS;
-            let needed = motion - trace.u[k - 1];
+            let duration = trace.duration[k - 1];
+            let motion = base.b * (v1 - v0) / duration + base.c * (trace.y[k] - trace.y[k - 1]) / duration;
+            let needed = motion - (trace.supplied[k - 1] + trace.torque[k - 1]);
             if v0 * v1 > 0.0 { needed + base.f1 * v0.signum() } else { needed + (-needed).clamp(-base.f1, base.f1) }
         })
         .collect();
@@ -40,7 +41,7 @@ pub fn gap_rms(traces: &[Trace], gaps: &[Vec<f64>]) -> (f64, f64) {
             if v0 * v1 <= 0.0 {
                 continue;
             }
-            let row = [(v1 - v0) / TS, 0.5 * (v0 + v1), v0.signum(), *gap];
+            let row = [(v1 - v0) / trace.duration[k], 0.5 * (v0 + v1), v0.signum(), *gap];
             for i in 0..3 {
                 for j in 0..4 {
                     normal[i][j] += row[i] * row[j];
@@ -81,17 +82,21 @@ fn solve(mut m: [[f64; 4]; 3]) -> [f64; 3] {
 }
 
 /// RMS difference (rad) between the encoder's exact position and the true base plant run open loop
-/// under the same drive over 0.4 s segments, each from the true encoder position and velocity.
-pub fn base_error(base: &Law, traces: &[Trace]) -> f64 {
+/// under the same drive and random torque over 0.4 s segments, each from the true encoder position and velocity.
+pub fn base_error(base: &Law, traces: &[Trace], tick_s: f64) -> f64 {
+    let segment = (SEGMENT_S / tick_s).round() as usize;
+    let substeps = ((tick_s / STEP_S).round() as usize).max(1);
     let (mut squares, mut count) = (0.0, 0.0_f64);
     for trace in traces {
-        for from in (0..trace.u.len()).step_by(SEGMENT) {
+        for from in (0..trace.u.len()).step_by(segment) {
             let start = State::moving(trace.y[from], trace.y_rate[from]);
-            let mut plant = Plant::new(base, start, SUBSTEPS);
-            for k in from..(from + SEGMENT).min(trace.u.len()) {
+            let mut plant = Plant::new(base, start, substeps);
+            plant.tick_s = tick_s;
+            for k in from..(from + segment).min(trace.u.len()) {
                 squares += (plant.state.x - trace.y[k]).powi(2);
                 count += 1.0;
-                plant.sample(trace.u[k], trace.t[k]);
+                plant.state.torque = trace.torque[k];
+                plant.sample_for(trace.supplied[k], trace.t[k], trace.duration[k], |_, _| ());
             }
         }
     }

@@ -1,9 +1,9 @@
 //! The plant's integration: midpoint sub-steps while smooth, with reversal, stick and release located
 //! inside the sub-step; presliding states by a splitting whose bristle part is exact (`friction.rs`).
 
-use crate::{drive::Drive, law::Law};
+use crate::{disturbance::Disturbance, drive::Drive, law::Law};
 
-/// Sample time of every recording, s.
+/// Tick of the kind world's recordings, s.
 pub const TS: f64 = 1e-3;
 
 /// Motion state; the second body is used only with a [`crate::law::Second`].
@@ -17,6 +17,8 @@ pub struct State {
     pub z: f64,
     /// Direction of sliding, 0 while stuck.
     pub slide: f64,
+    /// Random torque, V.
+    pub torque: f64,
 }
 
 impl State {
@@ -27,7 +29,7 @@ impl State {
 
     /// Moving at v, both bodies together.
     pub fn moving(x: f64, v: f64) -> Self {
-        Self { x, v, x2: x, v2: v, z: 0.0, slide: sign(v) }
+        Self { x, v, x2: x, v2: v, slide: sign(v), ..Self::default() }
     }
 
     fn shifted(&self, rate: &Rate, h: f64) -> Self {
@@ -57,7 +59,7 @@ impl Law {
     /// Force on the motor without its friction.
     pub fn free_force(&self, s: &State, t: f64, u: f64) -> f64 {
         let coupling = self.second.as_ref().map_or(0.0, |two| two.coupling(s.x - s.x2, s.v - s.v2));
-        self.drive_force(u, s.x, s.v) - self.c * s.v + self.extra_force(s.x, s.v, t) + coupling
+        self.drive_force(u, s.x, s.v) - self.c * s.v + self.extra_force(s.x, s.v, t) + coupling + s.torque
     }
 
     /// Accelerations of motor and load under `force` on the motor.
@@ -168,40 +170,65 @@ impl Law {
     }
 }
 
-/// A plant being driven: law, state, drive memory.
+/// A plant being driven: law, state, drive memory, random torque.
 #[derive(Clone, Debug)]
 pub struct Plant<'a> {
     pub law: &'a Law,
     pub state: State,
     pub drive: Drive,
+    /// Sub-steps per tick.
     pub substeps: usize,
+    /// Nominal length of a sample, s.
+    pub tick_s: f64,
+    /// None: the torque in the state stays what it is.
+    pub disturbance: Option<Disturbance>,
 }
 
 impl<'a> Plant<'a> {
+    /// In the kind world.
     pub fn new(law: &'a Law, state: State, substeps: usize) -> Self {
-        Self { law, state, drive: Drive::default(), substeps }
+        Self { law, state, drive: Drive::default(), substeps, tick_s: TS, disturbance: None }
     }
 
-    /// Holds the drive u for the sample that starts at session time t.
+    /// Holds the drive u for the sample that starts at session time t, one tick long.
+    #[cfg(test)]
     pub fn sample(&mut self, u: f64, t: f64) {
-        self.drive.hold(self.law, u, t);
-        let h = TS / self.substeps as f64;
-        // A delayed edge falls inside the sample: a sub-step ends there.
-        let edge = self.law.delay % TS;
-        for i in 0..self.substeps {
+        self.sample_for(u, t, self.tick_s, |_, _| ());
+    }
+
+    /// Holds the drive u for `duration` from session time t on; `seen` gets the state at the end of each sub-step, with
+    /// its time since t. Returns the mean random torque.
+    pub fn sample_for(&mut self, u: f64, t: f64, duration: f64, mut seen: impl FnMut(f64, &State)) -> f64 {
+        let ticks = duration / self.tick_s;
+        self.drive.hold(self.law, u, t, ticks);
+        // Longer samples get more sub-steps; the hair keeps the rounding of a whole tick from adding one.
+        let substeps = (self.substeps as f64 * ticks - 1e-6).ceil().max(1.0);
+        let h = duration / substeps;
+        // A delayed edge falls inside the sample: a sub-step ends there. With jitter it does not, and the sub-step gets the
+        // edge's mean drive.
+        let edge = if ticks.to_bits() == 1f64.to_bits() { self.law.delay % self.tick_s } else { 0.0 };
+        let mut impulse = 0.0;
+        for i in 0..substeps as usize {
             let start = i as f64 * h;
             let end = start + h;
             if self.law.delay > 0.0 && start < edge && edge < end {
-                self.piece(start, edge - start, t);
-                self.piece(edge, end - edge, t);
+                impulse += self.piece(start, edge - start, t);
+                impulse += self.piece(edge, end - edge, t);
             } else {
-                self.piece(start, h, t);
+                impulse += self.piece(start, h, t);
             }
+            seen(end, &self.state);
         }
+        impulse / duration
     }
 
-    fn piece(&mut self, offset: f64, h: f64, t: f64) {
-        let delivered = self.drive.deliver(self.law, offset, h, TS);
+    /// Returns the random torque's impulse.
+    fn piece(&mut self, offset: f64, h: f64, t: f64) -> f64 {
+        if let Some(disturbance) = &mut self.disturbance {
+            self.state.torque = disturbance.step(h);
+        }
+        let delivered = self.drive.deliver(self.law, offset, h, self.tick_s);
         self.law.advance(&mut self.state, t + offset, h, delivered);
+        h * self.state.torque
     }
 }

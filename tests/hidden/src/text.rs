@@ -15,7 +15,7 @@ impl Session {
             record.name, self.drive_unit, self.position_unit, self.encoder_step
         );
         for ((t, u), x) in record.t.iter().zip(&record.u).zip(&record.x) {
-            let _ = writeln!(text, "{t:.4},{u:.9},{x:.9}");
+            let _ = writeln!(text, "{t:.*},{u:.9},{x:.9}", self.stamp_decimals);
         }
         text
     }
@@ -39,6 +39,9 @@ impl Truth {
         put("gap_rms_percent", &self.gap_rms_percent);
         put("gap_rms_refit_percent", &self.gap_rms_refit_percent);
         put("visibility", &self.visibility);
+        if !self.world.is_kind() {
+            put("world", &self.world.text());
+        }
         for effect in &self.effects {
             put("effect", &effect.hidden.name());
             put("coordinate", &effect.coordinate);

@@ -1,12 +1,15 @@
 //! What is hidden, for the scorer only.
 
 use crate::{
-    draw::{Base, Machine},
     effect::Hidden,
-    experiment::{Role, Spec},
+    experiment::Role,
     law::Law,
+    machine::{Base, Machine},
     measure::{base_error, gap_force, gap_rms},
-    session::{Case, Session, Trace},
+    plan::Spec,
+    run::Trace,
+    session::{Case, Session},
+    world::World,
 };
 
 /// One hidden effect and the parameters of its law in the table's symbols.
@@ -33,8 +36,12 @@ pub struct TruthRecord {
     pub v: Vec<f64>,
     /// Position of the second body (of the shaft, without one), rad.
     pub load: Vec<f64>,
-    /// Force the base model lacks, V, mean over each sample: where the effect acts.
+    /// Force the base model lacks, V, mean over each sample: where the effect acts. Random torque and sag are no part of it.
     pub gap_force: Vec<f64>,
+    /// What the sensor saw without noise or quantisation, rad: late, held and from its own zero where the world is so.
+    pub seen: Vec<f64>,
+    /// Mean random torque over each sample, V.
+    pub torque: Vec<f64>,
 }
 
 /// The sealed truth of a case.
@@ -42,6 +49,8 @@ pub struct TruthRecord {
 pub struct Truth {
     /// Seed of the case.
     pub seed: u64,
+    /// What surrounds the plant, as it was drawn.
+    pub world: World,
     /// Requested size of each effect, % of the amplitude.
     pub size_percent: f64,
     /// Base parameters (b is the whole inertia, both bodies).
@@ -75,6 +84,7 @@ impl Truth {
         let noise_floor = (machine.noise_sigma.powi(2) + machine.encoder_step.powi(2) / 12.0).sqrt();
         Self {
             seed: case.seed,
+            world: case.world.clone(),
             size_percent: case.size_percent,
             base: machine.base,
             amplitude: machine.amplitude,
@@ -87,7 +97,7 @@ impl Truth {
             gap_peak_percent: peak * percent,
             gap_rms_percent: rms * percent,
             gap_rms_refit_percent: refit * percent,
-            visibility: base_error(&machine.law(), traces) / noise_floor,
+            visibility: base_error(&machine.law(), traces, case.world.tick_s) / noise_floor,
             noise_floor,
             records: specs
                 .iter()
@@ -100,18 +110,20 @@ impl Truth {
                     v: trace.y_rate.clone(),
                     load: trace.load.clone(),
                     gap_force,
+                    seen: trace.seen.clone(),
+                    torque: trace.torque.clone(),
                 })
                 .collect(),
         }
     }
 
     /// RMS of recorded minus true position (rad) over the recordings of that role: what the truth
-    /// model itself, started from the true state, would score.
+    /// model itself, started from the true state and shaken by the true torque, would score.
     pub fn own_error(&self, session: &Session, role: Role) -> f64 {
         let (mut squares, mut count) = (0.0, 0.0_f64);
         for (record, truth) in session.records.iter().zip(&self.records) {
             if truth.role == role {
-                for (measured, x) in record.x.iter().zip(&truth.x) {
+                for (measured, x) in record.x.iter().zip(&truth.seen) {
                     squares += (measured - x).powi(2);
                     count += 1.0;
                 }

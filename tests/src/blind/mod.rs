@@ -1,10 +1,14 @@
 //! Blind discovery: a hidden case, discovered without its truth, then scored against it.
 
+pub mod asked;
+pub mod limit;
 pub mod rows;
+pub mod rules;
 pub mod table;
+pub mod unkind;
 
 use breakaway::discover::engine::{Request, discover};
-use breakaway::discover::outcome::{Discovery, Verdict};
+use breakaway::discover::outcome::{CandidateRow, Discovery, Verdict};
 use breakaway::recording::{Recording, Units};
 use breakaway_hidden::{Case, Hidden, Record, Role, Session, Truth};
 
@@ -19,8 +23,8 @@ pub struct Scored {
     pub verdict: Verdict,
     /// Named effects.
     pub named: Vec<&'static str>,
-    /// Effects listed as tied with a named one.
-    pub tied: Vec<&'static str>,
+    /// Effects listed as tied with each of the named ones.
+    pub tied: Vec<Vec<&'static str>>,
     /// Relative error of the first hidden effect's main parameter, if it was named.
     pub parameter_error: Option<f64>,
     /// Held-out error of the final model over that of the base.
@@ -69,11 +73,19 @@ pub fn run(case: &Case) -> Result<(Scored, Discovery), String> {
     Ok((score(&truth, own, &found), found))
 }
 
+/// The candidates of the first round and the remarks, a line each.
+pub fn told(found: &Discovery) -> Vec<String> {
+    let line =
+        |c: &CandidateRow| format!("{:22} Δ {:.4} z {:.1} λ {:.0} {}", c.kind.name(), c.delta, c.z, c.lambda, c.fate);
+    found.candidates.iter().map(line).chain(found.remarks.iter().cloned()).collect()
+}
+
 fn score(truth: &Truth, own_error: f64, found: &Discovery) -> Scored {
     let hidden: Vec<&'static str> =
         truth.effects.iter().filter(|e| !matches!(e.hidden, Hidden::None)).map(|e| e.hidden.name()).collect();
     let named: Vec<&'static str> = found.effects.iter().map(|e| e.kind.name()).collect();
-    let tied = found.effects.iter().flat_map(|e| e.rivals.iter().filter(|r| r.tied).map(|r| r.kind.name())).collect();
+    let tied =
+        found.effects.iter().map(|e| e.rivals.iter().filter(|r| r.tied).map(|r| r.kind.name()).collect()).collect();
     let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
     Scored {
         seed: truth.seed,
@@ -121,7 +133,9 @@ const MAIN: [(&str, &str, &str); 24] = [
 fn parameter_error(truth: &Truth, found: &Discovery) -> Option<f64> {
     let effect = truth.effects.first()?;
     let (name, theirs, ours) = MAIN.iter().find(|(name, ..)| *name == effect.hidden.name())?;
-    let true_value = effect.parameters.iter().find(|(symbol, _)| symbol == theirs)?.1;
+    let own = effect.parameters.iter().find(|(symbol, _)| symbol == theirs)?.1;
+    // A late sensor adds to a delay, and nothing can part the two.
+    let true_value = if *name == "delay" { own + truth.world.sensor_delay_s } else { own };
     let named = found.effects.iter().find(|e| e.kind.name() == *name)?;
     let value = named.parameters.iter().find(|p| p.symbol == *ours)?.value;
     // A bias and an asymmetry are signed the other way in one of the two; amplitudes absorb half a turn of phase.

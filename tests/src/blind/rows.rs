@@ -1,14 +1,20 @@
 //! The blind matrix as rows of a file: written as cases end, read back to go on and to draw the table.
+//!
+//! A row of an unkind world has four cells more than one of the kind world; a file may hold both.
 
 use std::fmt::Write as _;
 
-use breakaway_hidden::Experiment;
+use breakaway_hidden::{Case, Hidden, Setting};
 
-use super::Scored;
+use super::{Scored, rules};
 
-/// Header of the file.
+/// Header of a file of the kind world.
 pub const HEADER: &str = "experiment,hidden,size_percent,seed,verdict,named,tied,parameter_error,shrink,over_noise,over_truth,\
                           visibility,seconds";
+/// What the header of a file of an unkind world has more.
+pub const UNKIND_HEADER: &str = ",world,drawn,lead_tied,processor_s";
+/// The kind world's name.
+const KIND: &str = "kind";
 
 /// A case and what became of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +27,7 @@ pub struct Row {
     pub size_percent: f64,
     /// Seed.
     pub seed: u64,
-    /// Verdict, or `error`.
+    /// Verdict, or `error`, or `given_up`.
     pub verdict: String,
     /// Effects named.
     pub named: Vec<String>,
@@ -39,6 +45,14 @@ pub struct Row {
     pub visibility: f64,
     /// Seconds taken.
     pub seconds: f64,
+    /// Name of the world's setting; `kind` where the file has no such cell.
+    pub world: String,
+    /// What was drawn of that world, as the hidden plant writes it.
+    pub drawn: String,
+    /// Effects listed as tied with the lead, which is the first name that the world does not excuse.
+    pub lead_tied: Vec<String>,
+    /// Processor time of the case, s: generation, discovery and score; NaN where it is not known.
+    pub processor_s: f64,
 }
 
 fn list(names: &[&'static str]) -> Vec<String> {
@@ -46,33 +60,15 @@ fn list(names: &[&'static str]) -> Vec<String> {
 }
 
 impl Row {
-    /// The row of a scored case.
-    pub fn new(experiment: Experiment, size_percent: f64, scored: &Scored) -> Self {
-        Self {
-            experiment: experiment.name().to_owned(),
-            hidden: list(&scored.hidden),
-            size_percent,
-            seed: scored.seed,
-            verdict: scored.verdict.name().to_owned(),
-            named: list(&scored.named),
-            tied: list(&scored.tied),
-            parameter_error: scored.parameter_error.unwrap_or(f64::NAN),
-            shrink: scored.shrink,
-            over_noise: scored.over_noise,
-            over_truth: scored.over_truth,
-            visibility: scored.visibility,
-            seconds: scored.seconds,
-        }
-    }
-
-    /// The row of a case that ended in an error.
-    pub fn error(experiment: Experiment, hidden: &[&'static str], size_percent: f64, seed: u64) -> Self {
+    /// The row of a case, before anything is known of it.
+    fn empty(case: &Case, setting: &Setting) -> Self {
         let nothing = f64::NAN;
+        let hidden = case.effects.iter().filter(|e| **e != Hidden::None).map(|e| e.name());
         Self {
-            experiment: experiment.name().to_owned(),
-            hidden: list(hidden),
-            size_percent,
-            seed,
+            experiment: case.experiment.name().to_owned(),
+            hidden: list(&hidden.collect::<Vec<_>>()),
+            size_percent: case.size_percent,
+            seed: case.seed,
             verdict: "error".to_owned(),
             named: Vec::new(),
             tied: Vec::new(),
@@ -82,7 +78,56 @@ impl Row {
             over_truth: nothing,
             visibility: nothing,
             seconds: nothing,
+            world: setting.name(),
+            drawn: case.world.text(),
+            lead_tied: Vec::new(),
+            processor_s: nothing,
         }
+    }
+
+    /// The row of a case that ended in an error.
+    pub fn error(case: &Case, setting: &Setting) -> Self {
+        Self::empty(case, setting)
+    }
+
+    /// The row of a case that was given up after so much processor time.
+    pub fn given_up(case: &Case, setting: &Setting, processor_s: f64) -> Self {
+        Self { verdict: "given_up".to_owned(), processor_s, ..Self::empty(case, setting) }
+    }
+
+    /// The row of a scored case.
+    pub fn new(case: &Case, setting: &Setting, scored: &Scored) -> Self {
+        let named = list(&scored.named);
+        let row = Self {
+            verdict: scored.verdict.name().to_owned(),
+            tied: list(&scored.tied.concat()),
+            parameter_error: scored.parameter_error.unwrap_or(f64::NAN),
+            shrink: scored.shrink,
+            over_noise: scored.over_noise,
+            over_truth: scored.over_truth,
+            visibility: scored.visibility,
+            seconds: scored.seconds,
+            named,
+            ..Self::empty(case, setting)
+        };
+        let lead_tied =
+            rules::lead(&row).and_then(|lead| scored.tied.get(lead)).map_or_else(Vec::new, |tied| list(tied));
+        Self { lead_tied, ..row }
+    }
+
+    /// Whether it is the row of this case in this setting.
+    pub fn is_of(&self, case: &Case, setting: &Setting) -> bool {
+        let other = Self::empty(case, setting);
+        self.seed == other.seed
+            && self.hidden == other.hidden
+            && self.experiment == other.experiment
+            && self.size_percent.to_bits() == other.size_percent.to_bits()
+            && self.world == other.world
+    }
+
+    /// Whether it is of the kind world.
+    pub fn is_kind(&self) -> bool {
+        self.world == KIND
     }
 
     /// As a line of the file.
@@ -102,14 +147,24 @@ impl Row {
         {
             let _ = write!(line, ",{value:.4}");
         }
+        if !self.is_kind() {
+            let tied = self.lead_tied.join("+");
+            let _ = write!(line, ",{},{},{tied},{:.1}", self.world, self.drawn, self.processor_s);
+        }
         line
     }
 
     /// Reads a line; `None` for the header and for what is no row.
     pub fn parse(line: &str) -> Option<Self> {
         let cells: Vec<&str> = line.trim().split(',').collect();
-        let [experiment, hidden, size, seed, verdict, named, tied, numbers @ ..] = cells.as_slice() else {
+        let [experiment, hidden, size, seed, verdict, named, tied, rest @ ..] = cells.as_slice() else {
             return None;
+        };
+        let (numbers, world) = rest.split_at_checked(6)?;
+        let [world, drawn, lead_tied, processor_s] = match world {
+            [] => [KIND, "", "", "NaN"],
+            [world, drawn, lead_tied, processor_s] => [*world, *drawn, *lead_tied, *processor_s],
+            _ => return None,
         };
         let names = |cell: &str| cell.split('+').filter(|n| !n.is_empty()).map(str::to_owned).collect::<Vec<_>>();
         let numbers: Vec<f64> = numbers.iter().map(|n| n.parse()).collect::<Result<_, _>>().ok()?;
@@ -130,28 +185,11 @@ impl Row {
             over_truth,
             visibility,
             seconds,
+            world: world.to_owned(),
+            drawn: drawn.to_owned(),
+            lead_tied: names(lead_tied),
+            processor_s: processor_s.parse().ok()?,
         })
-    }
-
-    /// Whether all hidden effects were named, and nothing else.
-    pub fn right(&self) -> bool {
-        let sorted = |names: &[String]| {
-            let mut names = names.to_vec();
-            names.sort_unstable();
-            names
-        };
-        sorted(&self.hidden) == sorted(&self.named)
-    }
-
-    /// Whether something was named that is not hidden.
-    pub fn wrong(&self) -> bool {
-        self.named.iter().any(|name| !self.hidden.contains(name))
-    }
-
-    /// Whether it is wrong, and what is hidden was listed as tied with what was named in its place: "these recordings cannot tell".
-    pub fn wrong_but_tied(&self) -> bool {
-        let said = |name: &String| self.named.contains(name) || self.tied.contains(name);
-        self.wrong() && self.named.len() <= self.hidden.len() && self.hidden.iter().all(said)
     }
 }
 
@@ -165,11 +203,22 @@ mod tests {
         let line = "suite,stribeck+cogging,10,501,partly_explained,stribeck+delay,lugre,0.0120,0.3000,1.1000,1.0500,12.3000,2.5000";
         let row = Row::parse(line).unwrap();
         assert_eq!(row.line(), line);
-        assert!(row.wrong() && !row.right() && !row.wrong_but_tied());
-        assert!(Row { tied: vec!["cogging".into()], ..row.clone() }.wrong_but_tied());
-        // A name too much is wrong, whatever is tied with the others.
-        let more = Row { hidden: vec!["stribeck".into()], tied: vec!["stiction".into()], ..row };
-        assert!(more.wrong() && !more.wrong_but_tied());
+        assert!(row.is_kind() && row.drawn.is_empty());
         assert_eq!(Row::parse(HEADER), None);
+        let line = line.to_owned() + ",unkind:torque+zero,torque=0.120%@40Hz zero,stiction,31.5";
+        let row = Row::parse(&line).unwrap();
+        assert_eq!(row.line(), line);
+        assert!(!row.is_kind() && row.lead_tied == ["stiction"] && row.processor_s == 31.5);
+        assert_eq!(Row::parse(&(HEADER.to_owned() + UNKIND_HEADER)), None);
+    }
+
+    /// The rows of docs/blind.md, which were written before there was any other world.
+    #[test]
+    fn the_kind_file_is_read_whole() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/blind.csv");
+        let text = std::fs::read_to_string(path).unwrap();
+        let rows: Vec<Row> = text.lines().filter_map(Row::parse).collect();
+        assert_eq!(rows.len() + 1, text.lines().count());
+        assert!(rows.iter().all(Row::is_kind));
     }
 }

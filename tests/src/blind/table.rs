@@ -6,18 +6,20 @@ use std::fmt::Write as _;
 use breakaway_hidden::CATALOGUE;
 
 use super::rows::Row;
+use super::unkind;
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+/// The middle of the finite values, NaN of none.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn percent(part: usize, whole: usize) -> String {
+pub(super) fn percent(part: usize, whole: usize) -> String {
     format!("{part}/{whole} ({:.0} %)", 100.0 * part as f64 / whole.max(1) as f64)
 }
 
-fn groups<'a, K: Ord>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> BTreeMap<K, Vec<&'a Row>> {
+pub(super) fn groups<'a, K: Ord>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> BTreeMap<K, Vec<&'a Row>> {
     let mut groups: BTreeMap<K, Vec<&Row>> = BTreeMap::new();
     for row in rows {
         groups.entry(key(row)).or_default().push(row);
@@ -62,33 +64,40 @@ fn head(out: &mut String, title: &str, first: &str) {
 /// The tables of the rows, as Markdown.
 pub fn markdown(rows: &[Row]) -> String {
     let mut out = String::new();
-    let known = |r: &Row| !r.hidden.is_empty() && r.hidden.iter().all(|h| CATALOGUE.contains(&h.as_str()));
-    let single: Vec<&Row> = rows.iter().filter(|r| known(r) && r.hidden.len() == 1).collect();
+    kind(&mut out, &rows.iter().filter(|row| row.is_kind()).collect::<Vec<_>>());
+    unkind::markdown(&mut out, rows);
+    out
+}
+
+/// The tables of the kind world.
+fn kind(out: &mut String, rows: &[&Row]) {
+    let known = |r: &Row| r.is_catalogued();
+    let single: Vec<&Row> = rows.iter().copied().filter(|r| known(r) && r.hidden.len() == 1).collect();
     let suite: Vec<&Row> = single.iter().copied().filter(|r| r.experiment == "suite").collect();
     if !suite.is_empty() {
-        head(&mut out, "One hidden effect, the suite", "size");
+        head(out, "One hidden effect, the suite", "size");
         for (size, rows) in groups(&suite, |r| (10.0 * r.size_percent) as u64) {
             let _ = writeln!(out, "| {} % | {} |", size as f64 / 10.0, summary(&rows));
         }
-        effects(&mut out, &suite);
-        confusion(&mut out, &suite);
+        effects(out, &suite);
+        confusion(out, &suite);
     }
     let other: Vec<&Row> = single.iter().copied().filter(|r| r.experiment != "suite").collect();
     if !other.is_empty() {
-        head(&mut out, "Fewer experiments", "experiment, size");
+        head(out, "Fewer experiments", "experiment, size");
         for ((experiment, size), rows) in groups(&other, |r| (r.experiment.clone(), (10.0 * r.size_percent) as u64)) {
             let _ = writeln!(out, "| {experiment}, {} % | {} |", size as f64 / 10.0, summary(&rows));
         }
     }
-    let two: Vec<&Row> = rows.iter().filter(|r| known(r) && r.hidden.len() == 2).collect();
-    pairs(&mut out, &two);
-    let clean: Vec<&Row> = rows.iter().filter(|r| r.hidden.is_empty()).collect();
+    let two: Vec<&Row> = rows.iter().copied().filter(|r| known(r) && r.hidden.len() == 2).collect();
+    pairs(out, &two);
+    let clean: Vec<&Row> = rows.iter().copied().filter(|r| r.hidden.is_empty()).collect();
     if !clean.is_empty() {
         let named = clean.iter().filter(|r| !r.named.is_empty()).count();
         let _ =
             writeln!(out, "\n### Clean records\n\nA name where nothing is hidden: {}.", percent(named, clean.len()));
     }
-    let outside: Vec<&Row> = rows.iter().filter(|r| !r.hidden.is_empty() && !known(r)).collect();
+    let outside: Vec<&Row> = rows.iter().copied().filter(|r| !r.hidden.is_empty() && !known(r)).collect();
     if !outside.is_empty() {
         let _ = writeln!(
             out,
@@ -107,7 +116,6 @@ pub fn markdown(rows: &[Row]) -> String {
             );
         }
     }
-    out
 }
 
 /// Right of all, per effect and size.

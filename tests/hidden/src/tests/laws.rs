@@ -3,7 +3,6 @@
 use super::close;
 use crate::{
     Base, Case, Truth,
-    draw::Machine,
     plant::{Plant, State, TS},
 };
 use std::f64::consts::PI;
@@ -154,7 +153,7 @@ fn friction_takes_energy() {
     ];
     for name in names {
         let case = Case::suite(5, &[name], 10.0).unwrap();
-        let machine = Machine::draw(&mut rand::SeedableRng::seed_from_u64(5));
+        let machine = case.machine();
         let law = case.law(&machine, &machine.law());
         let mut plant = Plant::new(&law, State::moving(0.0, 3.0), 20);
         let sigma0 = law.bristle.map_or(0.0, |b| b.sigma0);

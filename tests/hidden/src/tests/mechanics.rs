@@ -3,7 +3,6 @@
 use super::{close, papers};
 use crate::{
     Case,
-    draw::Machine,
     drive::Drive,
     law::{Second, Wave},
     plant::{Plant, State, TS},
@@ -20,7 +19,7 @@ fn delay_shifts_the_response_by_tau() {
         let (mut drive, mut state, mut xs) = (Drive::default(), State::at_rest(0.1), Vec::new());
         for k in 0..400 {
             let u = if (k / 70) % 2 == 0 { 2.0 } else { -1.4 };
-            drive.hold(law, u, k as f64 * TS);
+            drive.hold(law, u, k as f64 * TS, 1.0);
             for i in 0..20 {
                 let offset = i as f64 * TS / 20.0;
                 let delivered = drive.deliver(law, offset, TS / 20.0, TS);
@@ -44,7 +43,7 @@ fn lag_is_a_first_order_pole() {
     let mut drive = Drive::default();
     let mut integral = 0.0;
     for _ in 0..10 {
-        drive.hold(&law, 2.0, 0.0);
+        drive.hold(&law, 2.0, 0.0, 1.0);
         for i in 0..10 {
             integral += drive.deliver(&law, i as f64 * 1e-4, 1e-4, TS) * 1e-4;
         }
@@ -133,7 +132,7 @@ fn half_the_substep_changes_less_than_the_noise() {
     for (i, name) in names.iter().enumerate() {
         let case = Case::suite(200 + i as u64, &[name], 10.0).unwrap();
         let (session, truth) = case.generate_with_truth();
-        let machine = Machine::draw(&mut rand::SeedableRng::seed_from_u64(case.seed));
+        let machine = case.machine();
         let law = case.law(&machine, &machine.law());
         let substeps = if law.second.is_some() { 20 } else { 10 };
         let mut segments = Vec::new();

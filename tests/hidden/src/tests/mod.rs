@@ -1,9 +1,13 @@
 //! Tests of the hidden plant against closed forms, the table's laws and itself.
 
 mod cycles;
+mod golden;
 mod laws;
 mod mechanics;
+mod sensing;
 mod sessions;
+mod shaking;
+mod worlds;
 
 use crate::law::Law;
 
