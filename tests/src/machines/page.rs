@@ -183,7 +183,7 @@ fn arrow(ends: [Option<f64>; 2], show: impl Fn(f64) -> String) -> String {
 /// Three significant digits.
 fn number(value: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-3..1e4).contains(&size) {
+    if size != 0.0 && !(1e-2..1e4).contains(&size) {
         return format!("{value:.2e}");
     }
     let digits = if size == 0.0 { 0.0 } else { (2.0 - size.log10().floor()).clamp(0.0, 5.0) };
