@@ -6,6 +6,7 @@ pub mod adaptive_page;
 pub mod blind;
 pub mod drift;
 pub mod fuzz;
+pub mod machines;
 pub mod robustness;
 pub mod robustness_page;
 #[cfg(unix)]

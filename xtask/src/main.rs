@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
-//! `loops`, `soak`, `fleet-test`.
+//! `machines`, `loops`, `soak`, `fleet-test`.
 
 mod arrows;
 mod bench;
@@ -70,6 +70,12 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Discover the real machines, scored against what is known of them, into docs/machines.csv and docs/machines.md
+    Machines {
+        /// Passed on: `--machines emps,laas --splits all,halves --anew`; `--splits quick` is a subset, `full` is everything
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Close the loop on the virtual board for every effect of docs/control.md, and print its table
     Loops,
     /// Stream from the virtual board over a link with noise: nothing may be lost but the frames that were hit
@@ -98,6 +104,7 @@ fn main() -> ExitCode {
         Task::Bench { peers: false, .. } => bench::all(),
         Task::Bench { peers: true, only, .. } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
+        Task::Machines { arguments } => bench::machines(&arguments),
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),

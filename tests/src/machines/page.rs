@@ -1,0 +1,240 @@
+//! docs/machines.md: the sums, every row, and what is known of the machines.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::Machine;
+use super::catalogue::MACHINES;
+use super::rows::Row;
+use super::score::Score;
+use super::truth::Truth;
+
+/// Scores in the order of the table of sums.
+const SCORES: [Score; 4] = [Score::Right, Score::Wrong, Score::Abstains, Score::FalseNothing];
+
+const HEAD: &str = "# Real machines
+
+Recordings of machines that nobody simulated, discovered with nothing told, and judged by what is known of them. Written on
+{date}; the rows are of commit {commits} and in [machines.csv](machines.csv). The last command was
+
+    {command}
+
+in the dev profile. It goes on where it was stopped; `--anew` makes the rows again. The recordings are other people's: the
+tests find them as tests/src/lib.rs says, and the project holds none.
+
+*Splits.* `all`: every recording, the last third of each held out by the tool. `without 2 of 8`: the second file is held
+out, the others are fitted; of more than eight files, every fifth. `half 1`, `third 2`: that part of the files alone, or of
+the time of each where there are fewer files. `group`: files of one kind.
+
+*Scores.* Right: the leading name is true of the machine or tied with one that is, and no other name is false. Wrong: a name
+is false, with all that is tied with it. Abstains: refused, *unknown*, or true names without the one that is needed. False
+nothing: *nothing missing* is the verdict, although something is. Where nothing is missing, naming nothing is right.
+
+*Errors.* Force residual: what the model leaves of the held-out force, in per cent of the drive. 1 s open loop: held-out
+simulation over windows of 1 s. Drive-free curve: a cubic in time, fitted to the position in such windows without the drive;
+a model that is further off has learnt nothing from the drive. Arrows lead from the base model to the final one.
+";
+
+/// The tables of the rows. Rows of machines that the catalogue does not have are left out.
+///
+/// # Errors
+/// A name in a row that no effect has.
+pub fn tables(rows: &[Row]) -> Result<String, String> {
+    let mut scored: Vec<(&Machine, &Row, Score)> = Vec::new();
+    for machine in MACHINES {
+        for row in rows.iter().filter(|row| row.machine == machine.name) {
+            scored.push((machine, row, row.score(machine)?));
+        }
+    }
+    let mut out = String::new();
+    // Here and below, writing to a String cannot fail.
+    sums(&mut out, &scored);
+    details(&mut out, &scored);
+    notes(&mut out, &scored);
+    known(&mut out);
+    Ok(out)
+}
+
+/// The page, with the day on which it was written and the command that made its newest rows.
+///
+/// # Errors
+/// As [`tables`].
+pub fn page(rows: &[Row], date: &str, command: &str) -> Result<String, String> {
+    let mut commits: Vec<&str> =
+        rows.iter().map(|row| row.commit.as_str()).filter(|commit| !commit.is_empty()).collect();
+    commits.dedup();
+    let head = HEAD.replace("{date}", date).replace("{command}", command).replace("{commits}", &commits.join(", "));
+    Ok(format!("{head}\n{}", tables(rows)?))
+}
+
+fn sums(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
+    let _ = writeln!(
+        out,
+        "## Sums\n\n| machine | splits | right | wrong | abstains | false nothing | all recordings |\n|---|---|---|---|---|---|---|"
+    );
+    let asked: Vec<_> = scored.iter().filter(|(.., score)| *score != Score::NotAsked).collect();
+    let counts = |of: &dyn Fn(&Machine) -> bool| {
+        let these: Vec<_> = asked.iter().filter(|(machine, ..)| of(machine)).collect();
+        let cells = SCORES.map(|wanted| these.iter().filter(|(.., score)| *score == wanted).count().to_string());
+        format!("{} | {}", these.len(), cells.join(" | "))
+    };
+    let whole: Vec<_> = asked.iter().filter(|(_, row, _)| row.split == "all").collect();
+    for machine in MACHINES.iter().filter(|machine| asked.iter().any(|(of, ..)| of.name == machine.name)) {
+        let all = whole.iter().find(|(of, ..)| of.name == machine.name).map_or("–", |(.., score)| score.words());
+        let _ = writeln!(out, "| {} | {} | {all} |", machine.name, counts(&|of| of.name == machine.name));
+    }
+    let right = whole.iter().filter(|(.., score)| *score == Score::Right).count();
+    let _ = writeln!(out, "| **total** | {} | {right} of {} right |", counts(&|_| true), whole.len());
+}
+
+fn details(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
+    let _ = writeln!(
+        out,
+        "\n## Every split\n\n| machine | split | truth | score | verdict | names | found (known) | force residual | 1 s open loop \
+         | drive-free curve | seconds |\n|---|---|---|---|---|---|---|---|---|---|---|"
+    );
+    for (machine, row, score) in scored {
+        let truth = match machine.truth {
+            Truth::Effects { lead, .. } => lead.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" or "),
+            other => other.words(),
+        };
+        let names = row.named.replace('~', " = ").replace('+', ", ");
+        let force = arrow([row.force_before, row.force_after], |value| format!("{:.1} %", 100.0 * value));
+        let open_loop = arrow([row.open_loop_before, row.open_loop_after], number);
+        let curve = row.drive_free.map_or_else(|| "–".to_owned(), |value| format!("{} {}", number(value), row.unit));
+        let seconds = row.seconds.map_or_else(|| "–".to_owned(), |seconds| format!("{seconds:.1}"));
+        let _ = writeln!(
+            out,
+            "| {} | {} | {truth} | {} | {} | {names} | {} | {force} | {open_loop} | {curve} | {seconds} |",
+            row.machine,
+            row.split,
+            score.words(),
+            row.verdict.replace('_', " "),
+            beside(machine, row),
+        );
+    }
+    let _ = writeln!(
+        out,
+        "\n`a = b`: tied, these recordings cannot tell them apart. Errors are in the unit of the drive-free curve's column. *–*: \
+         there is none."
+    );
+}
+
+/// The parameters whose values are known and which the final model has, with what is known.
+fn beside(machine: &Machine, row: &Row) -> String {
+    let mut cells: Vec<(String, Vec<String>)> = Vec::new();
+    for known in machine.known {
+        let Some(found) = row.parameter(&known.label()) else { continue };
+        let cell = format!("{} {}", known.label(), number(found));
+        match cells.iter_mut().find(|(of, _)| *of == cell) {
+            Some((_, values)) => values.push(known.value()),
+            None => cells.push((cell, vec![known.value()])),
+        }
+    }
+    let cells = cells.into_iter().map(|(cell, values)| format!("{cell} ({})", values.join(", ")));
+    cells.collect::<Vec<_>>().join("; ")
+}
+
+/// What was refused, once, with the rows of which it is true.
+fn notes(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
+    let mut notes: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for (machine, row, _) in scored.iter().filter(|(_, row, _)| !row.note.is_empty()) {
+        notes.entry(row.note.as_str()).or_default().push(format!("{}, {}", machine.name, row.split));
+    }
+    if notes.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "\n## What was refused\n");
+    for (note, rows) in notes {
+        let _ = writeln!(out, "- {}: {note}", rows.join("; "));
+    }
+}
+
+fn known(out: &mut String) {
+    let _ = writeln!(
+        out,
+        "\n## The machines\n\n| machine | what it is | files | drive → position | truth | known values |\n|---|---|---|---|---|---|"
+    );
+    for machine in MACHINES {
+        let columns = machine.columns;
+        let select = columns.select.map_or_else(String::new, |select| format!(", `--where {select}`"));
+        let values = machine.known.iter().map(|k| format!("{} {} ({})", k.label(), k.value(), k.source));
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {} → {}{select} | {} | {} |",
+            machine.name,
+            machine.title,
+            machine.files,
+            columns.input.unwrap_or("–"),
+            columns.position,
+            machine.truth.words(),
+            values.collect::<Vec<_>>().join("; ")
+        );
+    }
+}
+
+fn arrow(ends: [Option<f64>; 2], show: impl Fn(f64) -> String) -> String {
+    match ends {
+        [Some(before), Some(after)] => format!("{} → {}", show(before), show(after)),
+        _ => "–".to_owned(),
+    }
+}
+
+/// Three significant digits.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-2..1e4).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    let digits = if size == 0.0 { 0.0 } else { (2.0 - size.log10().floor()).clamp(0.0, 5.0) };
+    format!("{value:.*}", digits as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(machine: &str, split: &str, verdict: &str, named: &str) -> Row {
+        Row {
+            machine: machine.into(),
+            split: split.into(),
+            verdict: verdict.into(),
+            named: named.into(),
+            ..Row::default()
+        }
+    }
+
+    /// Sums per machine and in total, and the line of a row with a known parameter beside what was found.
+    #[test]
+    fn the_tables_hold_sums_and_rows() {
+        let emps = Row {
+            parameters: "b=2.7;asymmetric_viscous.d=-1.1".into(),
+            open_loop_before: Some(3.6e-3),
+            open_loop_after: Some(3.84e-4),
+            drive_free: Some(5.1e-3),
+            unit: "m".into(),
+            seconds: Some(4.26),
+            ..row("emps", "all", "partly_explained", "asymmetric_viscous~constant_load")
+        };
+        let rows = [
+            emps,
+            row("emps", "half 1", "explained", "dahl"),
+            Row { note: "no window".into(), ..row("frc-left", "all", "refused", "") },
+            row("so101", "all", "no_drive", ""),
+        ];
+        let text = tables(&rows).unwrap();
+        for line in [
+            "| emps | 2 | 1 | 1 | 0 | 0 | right |",
+            "| frc-left | 1 | 0 | 0 | 1 | 0 | abstains |",
+            "| **total** | 3 | 1 | 1 | 1 | 0 | 1 of 2 right |",
+            "| emps | all | asymmetric_viscous or constant_load | right | partly explained | asymmetric_viscous = \
+             constant_load | b 2.70 (2.706) | – | 3.60e-3 → 3.84e-4 | 5.10e-3 m | 4.3 |",
+            "- frc-left, all: no window",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+        assert!(tables(&[row("emps", "all", "explained", "magic")]).is_err());
+        let numbers = [0.0, 0.25, 72.0, 5789.4, 12345.0, 1e-4].map(number);
+        assert_eq!(numbers, ["0", "0.250", "72.0", "5789", "1.23e4", "1.00e-4"]);
+    }
+}

@@ -1,0 +1,110 @@
+//! The real machines: their files, their splits, and the names of the quick subset. The whole table is
+//! `cargo xtask machines` (docs/machines.md).
+
+use breakaway_tests::machines::catalogue::{CICESE, EMPS, MACHINES, SO101};
+use breakaway_tests::machines::reading::{ReadingError, read};
+use breakaway_tests::machines::score::Score;
+use breakaway_tests::machines::splits::{Split, splits, taken};
+use breakaway_tests::machines::{Machine, discovery, drive_free, named, quick};
+use breakaway_tests::measured_data;
+
+/// Every file is a recording, except those whose clock is at fault, which are split there; SO-101 logs no drive.
+#[test]
+fn every_file_is_read_or_refused_for_the_stated_reason() {
+    let Some(data) = measured_data() else { return };
+    for machine in MACHINES.into_iter().filter(|machine| machine.name != SO101.name) {
+        let sources = read(machine, &data).unwrap();
+        assert_eq!(sources.len(), machine.files, "{}", machine.name);
+        for source in &sources {
+            let place = format!("{}, {}: {:?}", machine.name, source.file, source.remark);
+            assert!(!source.recordings.is_empty(), "{place}");
+            if let Some(remark) = &source.remark {
+                assert!(machine.clock_faults.contains(&source.file.as_str()), "{place}");
+                assert!(remark.contains("occurs twice") || remark.contains("goes back"), "{place}");
+            }
+        }
+    }
+    assert!(matches!(read(&SO101, &data), Err(ReadingError::NoDrive)));
+}
+
+/// The clocks of two files stop at 38.3375 s and 39.3348 s, up to which every row is kept: 2563 and 2631 of them.
+#[test]
+fn a_clock_that_stops_costs_only_what_comes_after() {
+    let Some(data) = measured_data() else { return };
+    let sources = read(&CICESE, &data).unwrap();
+    let rows = CICESE.clock_faults.iter().map(|file| {
+        let source = sources.iter().find(|source| source.file == *file).unwrap();
+        source.recordings.iter().map(|recording| recording.t.len()).collect::<Vec<_>>()
+    });
+    assert_eq!(rows.collect::<Vec<_>>(), [[2563], [2631]]);
+}
+
+/// Every split has something to fit; folds hold every recording out once; parts of a machine make up the machine.
+#[test]
+fn the_splits_cover_every_machine() {
+    let Some(data) = measured_data() else { return };
+    let rows = |recordings: &[breakaway::recording::Recording]| recordings.iter().map(|r| r.t.len()).sum::<usize>();
+    for machine in MACHINES.into_iter().filter(|machine| machine.name != SO101.name) {
+        let sources = read(machine, &data).unwrap();
+        let whole = rows(&taken(machine, Split::All, &sources).fit);
+        let (mut held, mut halves, mut thirds) = (0, 0, 0);
+        for split in splits(machine) {
+            let taken = taken(machine, split, &sources);
+            assert!(rows(&taken.fit) > 0, "{}, {split}", machine.name);
+            match split {
+                Split::Without { .. } => {
+                    assert_eq!(rows(&taken.fit) + rows(&taken.holdout), whole, "{}, {split}", machine.name);
+                    held += rows(&taken.holdout);
+                }
+                Split::Part { of: 2, .. } => halves += rows(&taken.fit),
+                Split::Part { .. } => thirds += rows(&taken.fit),
+                Split::All | Split::Group(_) => assert!(taken.holdout.is_empty()),
+            }
+            if split != Split::All && !matches!(split, Split::Without { .. }) {
+                assert!(rows(&taken.fit) < whole, "{}, {split}", machine.name);
+            }
+        }
+        assert_eq!((halves, thirds), (whole, whole), "{}", machine.name);
+        assert_eq!(held, if machine.files > 1 { whole } else { 0 }, "{}", machine.name);
+    }
+}
+
+/// The quick subset is of the catalogue and of its splits.
+#[test]
+fn the_quick_subset_is_part_of_the_table() {
+    let pairs = quick();
+    assert_eq!(pairs.len(), 6);
+    for (machine, split) in pairs {
+        assert_eq!(named(machine.name).map(|found| found.title), Some(machine.title));
+        assert!(splits(machine).contains(&split), "{}, {split}", machine.name);
+    }
+}
+
+/// What became of a pair of the quick subset.
+fn discovered(machine: &Machine, split: Split) -> Option<Score> {
+    let sources = read(machine, &measured_data()?).unwrap();
+    let said = discovery::run(taken(machine, split, &sources), &|_| ());
+    println!("{}, {split}: {} {:?}", machine.name, said.verdict, said.named);
+    Some(breakaway_tests::machines::score::score(&machine.truth, &said.verdict, &said.named))
+}
+
+/// Machines of the quick subset on which no wrong name may be given.
+const NO_WRONG_NAME: [&str; 1] = [EMPS.name];
+
+/// No wrong name on the machines of [`NO_WRONG_NAME`], EMPS being right.
+#[test]
+fn the_quick_subset_has_no_wrong_name_where_that_holds() {
+    for (machine, split) in quick().into_iter().filter(|(machine, _)| NO_WRONG_NAME.contains(&machine.name)) {
+        let Some(score) = discovered(machine, split) else { return };
+        assert_ne!(score, Score::Wrong, "{}, {split}", machine.name);
+    }
+}
+
+/// EMPS follows a smooth reference: over a second a cubic in time is off by more than the published model (0.4 mm), and by
+/// less than the travel (0.25 m).
+#[test]
+fn the_drive_free_curve_of_emps_is_worse_than_a_model() {
+    let Some(data) = measured_data() else { return };
+    let error = drive_free::error(&taken(&EMPS, Split::All, &read(&EMPS, &data).unwrap())).unwrap();
+    assert!((0.4e-3..0.25).contains(&error), "{error} m");
+}
