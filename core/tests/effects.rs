@@ -44,6 +44,19 @@ fn hooks_stand_where_the_effect_acts() {
     }
 }
 
+/// What the catalogue says in words of an effect's compensation, its hook does: text and hook stand together or not at all.
+#[test]
+fn compensation_is_said_where_it_is_done() {
+    for &kind in Kind::ALL {
+        for value in [0.0, 0.3, -0.3] {
+            let parameters: Vec<f64> =
+                kind.definition().parameters.iter().map(|p| f64::clamp(value, p.min, p.max)).collect();
+            let done = Effect::new(kind, &parameters).compensation(&BASE).is_some();
+            assert_eq!(done, kind.definition().compensation.is_some(), "{}", kind.name());
+        }
+    }
+}
+
 /// The law of the backlash's impacts: momentum is kept, and of the closing speed the share e is left, opening. To rounding.
 #[test]
 fn an_impact_keeps_momentum_and_leaves_e_of_the_closing_speed() {

@@ -1,6 +1,7 @@
 //! Viscous friction that differs between the directions: c + d forward, c − d backward.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Asymmetric viscous friction: `−d·|v|`.
@@ -23,5 +24,9 @@ impl Law for AsymmetricViscous {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * at.v.abs())
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Drag { by_speed: p[0], by_square: R::ZERO })
     }
 }

@@ -1,6 +1,7 @@
 //! Attraction of the magnets to the slots. The second harmonic is a refinement.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Cogging (force ripple): `+A·sin(n·x + φ) + A2·sin(2n·x + φ2)`.
@@ -32,5 +33,9 @@ impl Law for Cogging {
             force += p[3] * at.averaged(p[1] + p[1]) * (angle + angle + p[4]).sin();
         }
         force
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Ripple { wave_number: p[1], first: [-p[0], p[2]], second: [-p[3], p[4]] })
     }
 }

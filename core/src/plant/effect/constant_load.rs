@@ -1,6 +1,7 @@
 //! A bias in the balance of forces. On one axis it is the same effect as direction-asymmetric Coulomb friction.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Constant load: `−f0`.
@@ -23,5 +24,9 @@ impl Law for ConstantLoad {
 
     fn force<R: Real>(p: &[R], _at: &Instant<R>) -> R {
         -p[0]
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Linear { constant: p[0], stiffness: R::ZERO })
     }
 }

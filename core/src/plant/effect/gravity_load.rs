@@ -1,6 +1,7 @@
 //! An unbalanced mass on a rotary axis; x in radians.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Gravity load: `+m·sin(x + φ)`.
@@ -24,5 +25,9 @@ impl Law for GravityLoad {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         p[0] * (at.x + p[1]).sin()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Ripple { wave_number: R::ONE, first: [-p[0], p[1]], second: [R::ZERO; 2] })
     }
 }

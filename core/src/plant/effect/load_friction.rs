@@ -1,6 +1,6 @@
 //! Friction that grows with the transmitted force: gears, worm and ball screws.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -24,5 +24,9 @@ impl Law for LoadFriction {
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         p[0] * at.u.abs()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::LevelOfDrive { ratio: p[0] })
     }
 }

@@ -5,9 +5,11 @@
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
+mod compensation;
 mod definition;
 mod limits;
 
+pub use compensation::Compensation;
 pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
 
 use super::base::Base;
@@ -59,7 +61,8 @@ pub struct Held<'a> {
 pub type Memory<R> = [R; 3];
 
 /// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and only
-/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` of any.
+/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` and
+/// `compensation` of any.
 ///
 /// `p` holds the parameters in the order of [`Definition::parameters`].
 pub trait Law {
@@ -125,6 +128,11 @@ pub trait Law {
     /// S: added to the position that the sensor reports.
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
         R::ZERO
+    }
+    /// What a controller does about the effect; `None` if it cannot compensate it, as
+    /// [`Definition::compensation`] says in words.
+    fn compensation<R: Real>(_p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        None
     }
     /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
     /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant. Below
@@ -269,6 +277,11 @@ macro_rules! catalogue {
             /// See [`Law::displaced`].
             pub fn displaced(&self, x: R, more: [R; 2], memory: &mut Memory<R>) {
                 match self.kind { $(Kind::$law => $law::displaced(&self.p, x, more, memory),)* }
+            }
+            /// See [`Law::compensation`].
+            #[inline(always)]
+            pub fn compensation(&self, base: &Base<R>) -> Option<Compensation<R>> {
+                match self.kind { $(Kind::$law => $law::compensation(&self.p, base),)* }
             }
             /// See [`Law::sensor`].
             #[inline(always)]

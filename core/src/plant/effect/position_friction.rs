@@ -1,6 +1,6 @@
 //! Coulomb friction modulated along the travel, e.g. a bent shaft. Unlike cogging it changes sign with the velocity.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -26,5 +26,9 @@ impl Law for PositionFriction {
 
     fn level<R: Real>(p: &[R], base: &Base<R>, at: &Instant<R>) -> R {
         base.f1 * p[0] * at.averaged(p[1]) * (p[1] * at.x + p[2]).sin()
+    }
+
+    fn compensation<R: Real>(p: &[R], base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::LevelRipple { amplitude: base.f1 * p[0], wave_number: p[1], phase: p[2] })
     }
 }

@@ -1,6 +1,7 @@
 //! A bridge loses the dead time against the direction of the current.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// PWM dead time: `u_a = u − d·sat(i/i0), i = u − Ke·v`.
@@ -28,5 +29,11 @@ impl Law for PwmDeadTime {
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         let i = (at.u - p[2] * at.v) / p[1];
         at.u - p[0] * i.min(R::ONE).max(-R::ONE)
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
+        let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
+        Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
     }
 }

@@ -1,6 +1,7 @@
 //! A spring, a hose or a cable chain.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Spring or cable: `−k·(x − x0)`.
@@ -24,5 +25,9 @@ impl Law for Spring {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * (at.x - p[1]))
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Linear { constant: -p[0] * p[1], stiffness: p[0] })
     }
 }

@@ -1,6 +1,6 @@
 //! Friction that falls with speed: boundary to mixed lubrication. The exponent is a refinement; 2 is the usual form.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -39,5 +39,9 @@ impl Law for Stribeck {
             R::ZERO
         };
         p[0] * (-exponent).exp()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Stribeck { rise: p[0], speed: p[1], exponent: p[2] })
     }
 }
