@@ -1,6 +1,6 @@
 //! Viscous friction that differs between the directions: c + d forward, c − d backward.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,7 +15,7 @@ impl Law for AsymmetricViscous {
         law: "−d·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("d", "U·s/X", "half the difference of viscous friction between the directions", -1e9, 1e9),
+            Parameter::new(Role::Damping, "d", "half the difference of viscous friction between the directions", -1e9, 1e9),
         ],
         shown_by: "both directions at several speeds",
         confused_with: &["constant_load"],

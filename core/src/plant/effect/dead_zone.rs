@@ -1,6 +1,6 @@
 //! The drive loses a constant part of every command. Where the drive never changes sign before the velocity does, it looks like Coulomb friction.
 
-use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,7 +15,7 @@ impl Law for DeadZone {
         law: "u_a = u − d·sgn u, 0 for |u| < d",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("d", "U", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
+            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
         ],
         shown_by: "small drive",
         confused_with: &["load_friction", "pwm_dead_time"],

@@ -1,6 +1,6 @@
 //! An unbalanced mass on a rotary axis; x in radians.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,8 +15,8 @@ impl Law for GravityLoad {
         law: "+m·sin(x + φ)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("m", "U", "amplitude", -1e9, 1e9),
-            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+            Parameter::new(Role::Amplitude, "m", "amplitude", -1e9, 1e9),
+            Parameter::phase("phi", 0, "phase"),
         ],
         shown_by: "large angles",
         confused_with: &["cogging"],

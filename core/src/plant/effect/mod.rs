@@ -5,12 +5,17 @@
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
+mod canonical;
 mod compensation;
 mod definition;
 mod limits;
+mod parameter;
+mod role;
 
 pub use compensation::Compensation;
-pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
+pub use definition::{ActsIn, Definition};
+pub use parameter::{MAX_PARAMETERS, Over, Parameter, Scale, Search};
+pub use role::Role;
 
 use super::base::Base;
 use crate::scalar::Real;
@@ -103,8 +108,6 @@ pub trait Law {
     /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
     /// and velocity of a second body. At most 2.
     const FREE_MEMORY: usize = 0;
-    /// The parameter, if there is one, that is the width of the gap in which a second body may be anywhere about the motor.
-    const GAP: Option<usize> = None;
     /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
     const THRESHOLD: bool = false;
     /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
@@ -219,9 +222,10 @@ macro_rules! catalogue {
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
-            /// See [`Law::GAP`].
+            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the motor;
+            /// `None` for an effect without one.
             pub const fn gap(self) -> Option<usize> {
-                match self { $(Self::$law => <$law as Law>::GAP,)* }
+                match self { $(Self::$law => const { <$law as Law>::DEFINITION.gap() },)* }
             }
             /// See [`Law::bandwidth`].
             pub fn bandwidth(self, p: &[f64], base: &Base<f64>) -> f64 {

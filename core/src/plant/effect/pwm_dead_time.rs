@@ -1,6 +1,6 @@
 //! A bridge loses the dead time against the direction of the current.
 
-use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,9 +15,9 @@ impl Law for PwmDeadTime {
         law: "u_a = u − d·sat(i/i0), i = u − Ke·v",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("d", "U", "voltage lost", 0.0, 1e9),
-            Parameter::new("i0", "U", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
-            Parameter::new("Ke", "U·s/X", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
+            Parameter::new(Role::Level, "d", "voltage lost", 0.0, 1e9),
+            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
+            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
         ],
         shown_by: "several levels of drive and speed",
         confused_with: &["dead_zone"],

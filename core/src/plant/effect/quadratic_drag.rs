@@ -1,6 +1,6 @@
 //! Drag of a fan, a propeller or a turbulent film.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,7 +15,7 @@ impl Law for QuadraticDrag {
         law: "−k·v·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "U·s²/X²", "drag coefficient", 0.0, 1e9),
+            Parameter::new(Role::Coefficient("U·s²/X²"), "k", "drag coefficient", 0.0, 1e9),
         ],
         shown_by: "high speed",
         confused_with: &["stribeck", "saturation"],

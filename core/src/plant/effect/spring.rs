@@ -1,6 +1,6 @@
 //! A spring, a hose or a cable chain.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,8 +15,8 @@ impl Law for Spring {
         law: "−k·(x − x0)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "U/X", "stiffness", -1e9, 1e9),
-            Parameter::new("x0", "X", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
+            Parameter::new(Role::Stiffness, "k", "stiffness", -1e9, 1e9),
+            Parameter::new(Role::Position, "x0", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
         ],
         shown_by: "long travel",
         confused_with: &["constant_load"],
