@@ -9,7 +9,7 @@
 use super::fast::Fast;
 use super::term::{Sum, Term};
 use super::trajectory::Setpoint;
-use crate::plant::effect::{Effect, Kind};
+use crate::plant::effect::{Compensation, Effect, Kind};
 use crate::plant::{Base, MAX_EFFECTS, PlantError};
 use crate::scalar::Real;
 
@@ -84,13 +84,13 @@ impl<R: Fast> Compensator<R> {
             if effect.p.iter().any(|p| !p.is_finite()) {
                 return Err(CompensatorError::Parameter(effect.kind));
             }
-            let Some(term) = Term::new(effect, checked.f1) else { continue };
-            let slot = match term {
-                Term::Load { .. } => {
-                    load_friction += effect.p[0];
+            let Some(shape) = effect.compensation(&checked) else { continue };
+            let slot = match shape {
+                Compensation::LevelOfDrive { ratio } => {
+                    load_friction += ratio;
                     continue;
                 }
-                Term::DeadZone { .. } | Term::DeadTime { .. } => {
+                Compensation::DeadZone { .. } | Compensation::DeadTime { .. } => {
                     path_used += 1;
                     terms.iter_mut().rev().nth(path_used - 1)
                 }
@@ -101,7 +101,7 @@ impl<R: Fast> Compensator<R> {
             };
             // There are not more of both than MAX_EFFECTS.
             if let Some(slot) = slot {
-                *slot = term;
+                *slot = Term::new(shape);
             }
         }
         let load = if load_friction == F::ZERO { Term::Nothing } else { Term::load(load_friction) };

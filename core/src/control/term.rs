@@ -1,13 +1,13 @@
-//! One effect as the compensator evaluates it: the catalogue's law with everything that does not change computed
-//! beforehand. That each is the law of its file in `plant::effect` is tested against the hooks there.
+//! A [`Compensation`] as the compensator evaluates it: with everything that does not change computed beforehand. Which
+//! effect has which is said in the effect's file; that the two agree is tested against the plant.
 
 use super::fast::Fast;
-use crate::plant::effect::{Effect, Kind};
+use crate::plant::effect::Compensation;
 use crate::scalar::Real;
 
 const TURNS_PER_RADIAN: f64 = 1.0 / core::f64::consts::TAU;
 
-/// A compensable effect.
+/// A shape of compensation, ready for the tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Term<R> {
     /// No effect.
@@ -42,49 +42,39 @@ pub(super) struct Sum<R> {
 }
 
 impl<R: Fast> Term<R> {
-    /// The effect's term; `None` if the catalogue says that it cannot be compensated.
-    pub fn new<F: Real>(effect: &Effect<F>, f1: F) -> Option<Self> {
-        if !effect.kind.compensated() {
-            return None;
-        }
-        let p = effect.p;
+    /// The shape with everything that does not change computed.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "fused with the effect's own choice of the shape: 150 bytes of flash")]
+    pub fn new<F: Real>(shape: Compensation<F>) -> Self {
         let real = |value: F| R::from_f64(value.to_f64());
         let turns = |radians: F| real(radians.scale(TURNS_PER_RADIAN));
         let turn = |radians: F| real(turn(radians));
-        Some(match effect.kind {
-            Kind::ConstantLoad => Self::Linear { constant: real(p[0]), linear: R::ZERO },
-            Kind::Spring => Self::Linear { constant: real(-p[0] * p[1]), linear: real(p[0]) },
-            Kind::AsymmetricViscous => Self::Drag { by_speed: real(p[0]), by_square: R::ZERO },
-            Kind::QuadraticDrag => Self::Drag { by_speed: R::ZERO, by_square: real(p[0]) },
-            Kind::Cogging => {
-                Self::Ripple { turns: turns(p[1]), first: [real(-p[0]), turn(p[2])], second: [real(-p[3]), turn(p[4])] }
+        match shape {
+            Compensation::Linear { constant, stiffness } => {
+                Self::Linear { constant: real(constant), linear: real(stiffness) }
             }
-            Kind::GravityLoad => Self::Ripple {
-                turns: R::from_f64(TURNS_PER_RADIAN),
-                first: [real(-p[0]), turn(p[1])],
-                second: [R::ZERO; 2],
+            Compensation::Drag { by_speed, by_square } => {
+                Self::Drag { by_speed: real(by_speed), by_square: real(by_square) }
+            }
+            Compensation::Ripple { wave_number, first, second } => Self::Ripple {
+                turns: turns(wave_number),
+                first: [real(first[0]), turn(first[1])],
+                second: [real(second[0]), turn(second[1])],
             },
-            Kind::Stribeck => Self::Stribeck {
-                s: real(p[0]),
-                per_vs: real(F::ONE / p[1]),
-                p: if p[2] == F::ONE + F::ONE { None } else { Some(real(p[2])) },
+            Compensation::Stribeck { rise, speed, exponent } => Self::Stribeck {
+                s: real(rise),
+                per_vs: real(F::ONE / speed),
+                p: if exponent == F::ONE + F::ONE { None } else { Some(real(exponent)) },
             },
-            Kind::PositionFriction => Self::Wave { amplitude: real(f1 * p[0]), turns: turns(p[1]), phase: turn(p[2]) },
-            Kind::LoadFriction => Self::load(p[0]),
-            Kind::DeadZone => {
-                // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long
-                // as the band is below the break-away force the axis rests there anyway.
-                let band = f1.scale(0.5).max(p[0].scale(0.1)).max(F::from_f64(1e-9));
-                Self::DeadZone { d: real(p[0]), per_band: real(F::ONE / band) }
+            Compensation::LevelRipple { amplitude, wave_number, phase } => {
+                Self::Wave { amplitude: real(amplitude), turns: turns(wave_number), phase: turn(phase) }
             }
-            Kind::PwmDeadTime => {
-                let [d, i0, ke, ..] = p;
-                // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
-                let edge = (i0 - d).max(i0.scale(0.1)).max(F::from_f64(1e-9));
-                Self::DeadTime { d: real(d), edge: real(edge), gain: real(d / edge), ke: real(ke) }
+            Compensation::LevelOfDrive { ratio } => Self::load(ratio),
+            Compensation::DeadZone { loss, band } => Self::DeadZone { d: real(loss), per_band: real(F::ONE / band) },
+            Compensation::DeadTime { loss, edge, back_emf } => {
+                Self::DeadTime { d: real(loss), edge: real(edge), gain: real(loss / edge), ke: real(back_emf) }
             }
-            _ => return None,
-        })
+        }
     }
 
     /// Friction `k·|u|`. At k = 1 no drive moves the axis: the inverse is bounded.

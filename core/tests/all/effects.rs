@@ -1,6 +1,6 @@
 //! Laws that hold for every effect of the catalogue.
 
-use breakaway_core::plant::effect::{ActsIn, Held, Instant};
+use breakaway_core::plant::effect::{ActsIn, Held, Instant, Parameter, Role};
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
@@ -40,6 +40,19 @@ fn hooks_stand_where_the_effect_acts() {
             if matches!(place, ActsIn::Sensor | ActsIn::Force) {
                 assert_eq!(memory, moved, "{}", kind.name());
             }
+        }
+    }
+}
+
+/// What the catalogue says in words of an effect's compensation, its hook does: text and hook stand together or not at all.
+#[test]
+fn compensation_is_said_where_it_is_done() {
+    for &kind in Kind::ALL {
+        for value in [0.0, 0.3, -0.3] {
+            let parameters: Vec<f64> =
+                kind.definition().parameters.iter().map(|p| f64::clamp(value, p.min, p.max)).collect();
+            let done = Effect::new(kind, &parameters).compensation(&BASE).is_some();
+            assert_eq!(done, kind.definition().compensation.is_some(), "{}", kind.name());
         }
     }
 }
@@ -102,10 +115,10 @@ fn two_effects_of_the_drive_act_both_in_whatever_order_they_stand() {
     let drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
     assert_eq!(drive.len(), 6);
     let of = |kind: Kind, size: f64| {
-        let small = |p: &breakaway_core::plant::effect::Parameter| match p.unit {
-            "s" => 0.01 * size,
-            "U·s/X" => 0.0,
-            "1/s" => 0.02 * size,
+        let small = |p: &Parameter| match p.role {
+            Role::Delay | Role::TimeConstant => 0.01 * size,
+            Role::BackEmf => 0.0,
+            Role::Rate => 0.02 * size,
             _ if kind == Kind::Saturation => 1.2 / size,
             _ => 0.3 * size,
         };

@@ -18,7 +18,7 @@ use crate::nearest::{did_you_mean, nearest};
   breakaway effects stribeck
 
 Units have U for the drive's and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
-(symbol, unit, meaning, min, max, default), shown_by, confused_with, compensation (null where there is none).")]
+(symbol, role, unit, meaning, min, max, default), shown_by, confused_with, compensation (null where there is none).")]
 pub struct Args {
     /// One effect, by its name in the catalogue; all of them without it
     #[arg(value_name = "NAME")]
@@ -48,6 +48,7 @@ struct Entry {
 #[derive(Debug, Serialize)]
 struct Quantity {
     symbol: &'static str,
+    role: &'static str,
     unit: &'static str,
     meaning: &'static str,
     min: f64,
@@ -57,13 +58,17 @@ struct Quantity {
 
 impl From<&'static Definition> for Entry {
     fn from(definition: &'static Definition) -> Self {
-        let quantity = |p: &Parameter| Quantity {
-            symbol: p.symbol,
-            unit: p.unit,
-            meaning: p.meaning,
-            min: p.min,
-            max: p.max,
-            default: p.default,
+        let quantity = |p: &Parameter| {
+            let (min, max) = p.canonical_range();
+            Quantity {
+                symbol: p.symbol,
+                role: p.role.name(),
+                unit: p.unit,
+                meaning: p.meaning,
+                min,
+                max,
+                default: p.default,
+            }
         };
         Self {
             name: definition.name,

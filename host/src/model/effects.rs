@@ -1,7 +1,7 @@
 //! The effects a model file may name: those of the core's catalogue.
 
 use breakaway_core::plant::Kind;
-use breakaway_core::plant::effect::{Definition, Parameter};
+use breakaway_core::plant::effect::{Definition, Parameter, Role};
 
 /// The effects a model file may name, in the order of the catalogue: the one place that reading and writing of models ask.
 pub fn known_effects() -> impl Iterator<Item = &'static Definition> {
@@ -13,11 +13,15 @@ pub(super) fn known_effect(name: &str) -> Option<&'static Definition> {
     Kind::from_name(name).map(Kind::definition)
 }
 
-/// A parameter's range in words; limits that only keep the arithmetic finite are left out.
+/// A parameter's range in words, in the canonical form of its effect; limits that only keep the arithmetic finite are left
+/// out.
 pub fn range(parameter: &Parameter) -> String {
     /// From here a limit is a guard, not physics.
     const GUARD: f64 = 1e7;
     const TINY: f64 = 1e-6;
+    if matches!(parameter.role, Role::Phase { .. }) {
+        return "above −π, to π".to_owned();
+    }
     let Parameter { min, max, .. } = *parameter;
     match (min > -GUARD, max < GUARD) {
         (false, false) => "any".to_owned(),

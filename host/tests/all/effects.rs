@@ -47,3 +47,13 @@ fn every_effect_survives_a_model_file() {
         assert_eq!(again.plant_effects().unwrap(), [effect], "{}", kind.name());
     }
 }
+
+/// A phase of many turns is valid in a model file, whatever range the catalogue prints: it is read and written as it is.
+#[test]
+fn a_phase_of_many_turns_is_read() {
+    let text = "[base]\nb = 1\nc = 1\nf1 = 1\n[[effect]]\nname = \"cogging\"\nA = -0.1\nn = 7\nphi = 300.0\n";
+    let model = Model::parse("m.toml", text).unwrap();
+    let [effect] = model.plant_effects().unwrap()[..] else { panic!("{model:?}") };
+    assert_eq!(effect.p[..3], [-0.1, 7.0, 300.0]);
+    assert_eq!(Model::parse("m.toml", &model.to_toml()).unwrap(), model);
+}

@@ -1,6 +1,7 @@
 //! Viscous friction that differs between the directions: c + d forward, c − d backward.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Asymmetric viscous friction: `−d·|v|`.
@@ -14,7 +15,7 @@ impl Law for AsymmetricViscous {
         law: "−d·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("d", "U·s/X", "half the difference of viscous friction between the directions", -1e9, 1e9),
+            Parameter::new(Role::Damping, "d", "half the difference of viscous friction between the directions", -1e9, 1e9),
         ],
         shown_by: "both directions at several speeds",
         confused_with: &["constant_load"],
@@ -23,5 +24,9 @@ impl Law for AsymmetricViscous {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * at.v.abs())
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Drag { by_speed: p[0], by_square: R::ZERO })
     }
 }

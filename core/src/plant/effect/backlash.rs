@@ -1,6 +1,6 @@
 //! A load that loses contact at every reversal and is caught again a gap later. The encoder is on the motor side.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
 
 /// Backlash: `load μ·b free within a gap ±g/2 of the motor, contact with restitution e`.
@@ -14,9 +14,9 @@ impl Law for Backlash {
         law: "load μ·b free within a gap ±g/2 of the motor, contact with restitution e",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("g", "X", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.065, 0.12, 0.22, 0.4, 0.75, 1.4])),
-            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.4])),
-            Parameter::new("e", "1", "restitution: closing speed left after an impact", 0.0, 0.95).search(Search::Grid(Scale::Unit, &[0.2])),
+            Parameter::new(Role::Gap, "g", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.065, 0.12, 0.22, 0.4, 0.75, 1.4])),
+            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.4])),
+            Parameter::new(Role::Restitution, "e", "restitution: closing speed left after an impact", 0.0, 0.95).search(Search::Grid(Scale::Unit, &[0.2])),
         ],
         shown_by: "reversals, multisine",
         confused_with: &["lugre", "dahl", "flexible_coupling"],
@@ -25,7 +25,6 @@ impl Law for Backlash {
 
     const REMEMBERS: bool = true;
     const FREE_MEMORY: usize = 2;
-    const GAP: Option<usize> = Some(0);
 
     // memory: load position y, load velocity w, contact side (−1, 0, 1; the motor pushes with that side). An impact is a contact of
     // one sub-step at least, also where the load leaves again.

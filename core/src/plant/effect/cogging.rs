@@ -1,6 +1,7 @@
 //! Attraction of the magnets to the slots. The second harmonic is a refinement.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Cogging (force ripple): `+A·sin(n·x + φ) + A2·sin(2n·x + φ2)`.
@@ -14,11 +15,11 @@ impl Law for Cogging {
         law: "+A·sin(n·x + φ) + A2·sin(2n·x + φ2)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("A", "U", "amplitude", -1e9, 1e9),
-            Parameter::new("n", "1/X", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::Position)),
-            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
-            Parameter::new("A2", "U", "amplitude of the second harmonic", -1e9, 1e9).refinement(0.0),
-            Parameter::new("phi2", "rad", "phase of the second harmonic", -1e9, 1e9).search(Search::Phase).refinement(0.0),
+            Parameter::new(Role::Amplitude, "A", "amplitude", -1e9, 1e9),
+            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::Position)),
+            Parameter::phase("phi", 0, "phase"),
+            Parameter::new(Role::Amplitude, "A2", "amplitude of the second harmonic", -1e9, 1e9).refinement(0.0),
+            Parameter::phase("phi2", 3, "phase of the second harmonic").refinement(0.0),
         ],
         shown_by: "long travel at low speed",
         confused_with: &["encoder_eccentricity", "time_periodic", "position_friction", "gravity_load"],
@@ -32,5 +33,9 @@ impl Law for Cogging {
             force += p[3] * at.averaged(p[1] + p[1]) * (angle + angle + p[4]).sin();
         }
         force
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Ripple { wave_number: p[1], first: [-p[0], p[2]], second: [-p[3], p[4]] })
     }
 }

@@ -1,6 +1,7 @@
 //! A bias in the balance of forces. On one axis it is the same effect as direction-asymmetric Coulomb friction.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Constant load: `−f0`.
@@ -14,7 +15,7 @@ impl Law for ConstantLoad {
         law: "−f0",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("f0", "U", "load; positive resists positive motion", -1e9, 1e9),
+            Parameter::new(Role::Level, "f0", "load; positive resists positive motion", -1e9, 1e9),
         ],
         shown_by: "any record with motion in both directions",
         confused_with: &[],
@@ -23,5 +24,9 @@ impl Law for ConstantLoad {
 
     fn force<R: Real>(p: &[R], _at: &Instant<R>) -> R {
         -p[0]
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Linear { constant: p[0], stiffness: R::ZERO })
     }
 }

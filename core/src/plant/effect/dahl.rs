@@ -1,6 +1,6 @@
 //! Below break-away the contact is a spring: friction builds up over a presliding distance f1/σ after every reversal.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,7 +15,7 @@ impl Law for Dahl {
         law: "friction σ·z, ż = v·(1 − σ·z·sgn v / f1)",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("sigma", "U/X", "bristle stiffness", 1e-9, 1e12).search(Search::Grid(Scale::Presliding, &[3.0, 10.0, 30.0, 100.0, 300.0])),
+            Parameter::new(Role::Stiffness, "sigma", "bristle stiffness", 1e-9, 1e12).search(Search::Grid(Scale::Presliding, &[3.0, 10.0, 30.0, 100.0, 300.0])),
         ],
         shown_by: "reversals, below break-away",
         confused_with: &["lugre", "backlash", "flexible_coupling"],

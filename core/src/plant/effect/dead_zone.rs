@@ -1,6 +1,7 @@
 //! The drive loses a constant part of every command. Where the drive never changes sign before the velocity does, it looks like Coulomb friction.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Dead zone of the drive: `u_a = u − d·sgn u, 0 for |u| < d`.
@@ -14,7 +15,7 @@ impl Law for DeadZone {
         law: "u_a = u − d·sgn u, 0 for |u| < d",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("d", "U", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
+            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
         ],
         shown_by: "small drive",
         confused_with: &["load_friction", "pwm_dead_time"],
@@ -25,5 +26,12 @@ impl Law for DeadZone {
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         (at.u.abs() - p[0]).max(R::ZERO) * at.u.sgn()
+    }
+
+    fn compensation<R: Real>(p: &[R], base: &Base<R>) -> Option<Compensation<R>> {
+        // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long as the band is
+        // below the break-away force the axis rests there anyway.
+        let band = base.f1.scale(0.5).max(p[0].scale(0.1)).max(R::from_f64(1e-9));
+        Some(Compensation::DeadZone { loss: p[0], band })
     }
 }

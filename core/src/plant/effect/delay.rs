@@ -1,6 +1,6 @@
 //! The drive acts later than it is logged.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
 
 /// Delay of the drive: `u_a(t) = u(t − τ)`.
@@ -14,7 +14,7 @@ impl Law for Delay {
         law: "u_a(t) = u(t − τ)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("tau", "s", "delay", 0.0, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
+            Parameter::new(Role::Delay, "tau", "delay", 0.0, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
         ],
         shown_by: "switching edges",
         confused_with: &["electrical_lag"],

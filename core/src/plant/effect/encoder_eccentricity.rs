@@ -1,6 +1,6 @@
 //! The scale is off its centre: the reading errs once per turn; x in radians.
 
-use super::{ActsIn, Definition, Law, Parameter, Search};
+use super::{ActsIn, Definition, Law, Parameter, Role};
 use crate::scalar::Real;
 
 /// Encoder eccentricity: `measured = x + A·sin(x + φ)`.
@@ -14,8 +14,8 @@ impl Law for EncoderEccentricity {
         law: "measured = x + A·sin(x + φ)",
         acts_in: ActsIn::Sensor,
         parameters: &[
-            Parameter::new("A", "X", "amplitude", -1e9, 1e9),
-            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+            Parameter::new(Role::Eccentricity, "A", "amplitude", -1e9, 1e9),
+            Parameter::phase("phi", 0, "phase"),
         ],
         shown_by: "long travel at high speed",
         confused_with: &["cogging", "gravity_load"],

@@ -1,6 +1,6 @@
 //! A second inertia behind a shaft or a belt that gives. The encoder is on the motor side.
 
-use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,9 +15,9 @@ impl Law for FlexibleCoupling {
         law: "load μ·b behind spring and damper: ÿ = ωr²·(x − y) + 2ζ·ωr·(ẋ − ẏ)",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new("mu", "1", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.06])),
-            Parameter::new("omega_r", "rad/s", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Resonance(40.0, 480.0)),
-            Parameter::new("zeta", "1", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.06])),
+            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.06])),
+            Parameter::new(Role::NaturalFrequency, "omega_r", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Resonance(40.0, 480.0)),
+            Parameter::new(Role::DampingRatio, "zeta", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.06])),
         ],
         shown_by: "multisine above the resonance",
         confused_with: &["backlash", "inertia_step", "dahl"],

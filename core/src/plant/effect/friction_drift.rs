@@ -1,6 +1,6 @@
 //! Coulomb friction that changes over the session as grease warms up.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,8 +15,8 @@ impl Law for FrictionDrift {
         law: "−s·e^(−t/T)·sgn v",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("s", "U", "extra friction when cold", -1e9, 1e9),
-            Parameter::new("T", "s", "time constant of the warm-up", 1e-3, 1e7).search(Search::Grid(Scale::Session, &[0.1, 0.2, 0.4, 0.8])),
+            Parameter::new(Role::Level, "s", "extra friction when cold", -1e9, 1e9),
+            Parameter::new(Role::TimeConstant, "T", "time constant of the warm-up", 1e-3, 1e7).search(Search::Grid(Scale::Session, &[0.1, 0.2, 0.4, 0.8])),
         ],
         shown_by: "long sessions",
         confused_with: &["gain_drift"],

@@ -1,6 +1,6 @@
 //! The gain of drive and motor falls as they warm up, or the battery empties.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter};
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role};
 use crate::scalar::Real;
 
 /// Drive gain drift: `u_a = u·(1 − k·t)`.
@@ -14,7 +14,7 @@ impl Law for GainDrift {
         law: "u_a = u·(1 − k·t)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("k", "1/s", "relative loss of gain per second", -1.0, 1.0),
+            Parameter::new(Role::Rate, "k", "relative loss of gain per second", -1.0, 1.0),
         ],
         shown_by: "long sessions",
         confused_with: &["friction_drift"],

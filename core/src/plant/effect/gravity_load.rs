@@ -1,6 +1,7 @@
 //! An unbalanced mass on a rotary axis; x in radians.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Gravity load: `+m·sin(x + φ)`.
@@ -14,8 +15,8 @@ impl Law for GravityLoad {
         law: "+m·sin(x + φ)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("m", "U", "amplitude", -1e9, 1e9),
-            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+            Parameter::new(Role::Amplitude, "m", "amplitude", -1e9, 1e9),
+            Parameter::phase("phi", 0, "phase"),
         ],
         shown_by: "large angles",
         confused_with: &["cogging"],
@@ -24,5 +25,9 @@ impl Law for GravityLoad {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         p[0] * (at.x + p[1]).sin()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Ripple { wave_number: R::ONE, first: [-p[0], p[1]], second: [R::ZERO; 2] })
     }
 }

@@ -1,7 +1,6 @@
 //! What a device needs of the catalogue: ranges and names as numbers, without its texts (8 KiB on a microcontroller).
 
-use super::Kind;
-use super::definition::MAX_PARAMETERS;
+use super::{Kind, MAX_PARAMETERS};
 
 const KINDS: usize = Kind::ALL.len();
 /// As many as [`COMPENSATED`] has bits.

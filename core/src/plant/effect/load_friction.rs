@@ -1,6 +1,6 @@
 //! Friction that grows with the transmitted force: gears, worm and ball screws.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,7 +15,7 @@ impl Law for LoadFriction {
         law: "−k·|u|·sgn v",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "1", "friction per unit of drive", -1.0, 1.0),
+            Parameter::new(Role::Ratio, "k", "friction per unit of drive", -1.0, 1.0),
         ],
         shown_by: "several levels of drive",
         confused_with: &["dead_zone"],
@@ -24,5 +24,9 @@ impl Law for LoadFriction {
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         p[0] * at.u.abs()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::LevelOfDrive { ratio: p[0] })
     }
 }

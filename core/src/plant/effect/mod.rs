@@ -5,10 +5,17 @@
 //! the catalogue; naming, fitting, reporting and the file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
+mod canonical;
+mod compensation;
 mod definition;
 mod limits;
+mod parameter;
+mod role;
 
-pub use definition::{ActsIn, Definition, MAX_PARAMETERS, Over, Parameter, Scale, Search};
+pub use compensation::Compensation;
+pub use definition::{ActsIn, Definition};
+pub use parameter::{MAX_PARAMETERS, Over, Parameter, Scale, Search};
+pub use role::Role;
 
 use super::base::Base;
 use crate::scalar::Real;
@@ -59,7 +66,8 @@ pub struct Held<'a> {
 pub type Memory<R> = [R; 3];
 
 /// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and only
-/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` of any.
+/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` and
+/// `compensation` of any.
 ///
 /// `p` holds the parameters in the order of [`Definition::parameters`].
 pub trait Law {
@@ -100,8 +108,6 @@ pub trait Law {
     /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
     /// and velocity of a second body. At most 2.
     const FREE_MEMORY: usize = 0;
-    /// The parameter, if there is one, that is the width of the gap in which a second body may be anywhere about the motor.
-    const GAP: Option<usize> = None;
     /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
     const THRESHOLD: bool = false;
     /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
@@ -125,6 +131,11 @@ pub trait Law {
     /// S: added to the position that the sensor reports.
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
         R::ZERO
+    }
+    /// What a controller does about the effect; `None` if it cannot compensate it, as
+    /// [`Definition::compensation`] says in words.
+    fn compensation<R: Real>(_p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        None
     }
     /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
     /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant. Below
@@ -211,9 +222,10 @@ macro_rules! catalogue {
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
-            /// See [`Law::GAP`].
+            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the motor;
+            /// `None` for an effect without one.
             pub const fn gap(self) -> Option<usize> {
-                match self { $(Self::$law => <$law as Law>::GAP,)* }
+                match self { $(Self::$law => const { <$law as Law>::DEFINITION.gap() },)* }
             }
             /// See [`Law::bandwidth`].
             pub fn bandwidth(self, p: &[f64], base: &Base<f64>) -> f64 {
@@ -269,6 +281,11 @@ macro_rules! catalogue {
             /// See [`Law::displaced`].
             pub fn displaced(&self, x: R, more: [R; 2], memory: &mut Memory<R>) {
                 match self.kind { $(Kind::$law => $law::displaced(&self.p, x, more, memory),)* }
+            }
+            /// See [`Law::compensation`].
+            #[inline(always)]
+            pub fn compensation(&self, base: &Base<R>) -> Option<Compensation<R>> {
+                match self.kind { $(Kind::$law => $law::compensation(&self.p, base),)* }
             }
             /// See [`Law::sensor`].
             #[inline(always)]

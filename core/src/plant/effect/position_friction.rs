@@ -1,6 +1,6 @@
 //! Coulomb friction modulated along the travel, e.g. a bent shaft. Unlike cogging it changes sign with the velocity.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,9 +15,9 @@ impl Law for PositionFriction {
         law: "−f1·k·sin(n·x + φ)·sgn v",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "1", "depth of the modulation", -1.0, 1.0),
-            Parameter::new("n", "1/X", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::PositionAndDirection)),
-            Parameter::new("phi", "rad", "phase", -1e9, 1e9).search(Search::Phase),
+            Parameter::new(Role::Ratio, "k", "depth of the modulation", -1.0, 1.0),
+            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::PositionAndDirection)),
+            Parameter::phase("phi", 0, "phase"),
         ],
         shown_by: "long travel in both directions",
         confused_with: &["cogging"],
@@ -26,5 +26,9 @@ impl Law for PositionFriction {
 
     fn level<R: Real>(p: &[R], base: &Base<R>, at: &Instant<R>) -> R {
         base.f1 * p[0] * at.averaged(p[1]) * (p[1] * at.x + p[2]).sin()
+    }
+
+    fn compensation<R: Real>(p: &[R], base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::LevelRipple { amplitude: base.f1 * p[0], wave_number: p[1], phase: p[2] })
     }
 }

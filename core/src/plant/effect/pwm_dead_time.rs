@@ -1,6 +1,7 @@
 //! A bridge loses the dead time against the direction of the current.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// PWM dead time: `u_a = u − d·sat(i/i0), i = u − Ke·v`.
@@ -14,9 +15,9 @@ impl Law for PwmDeadTime {
         law: "u_a = u − d·sat(i/i0), i = u − Ke·v",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("d", "U", "voltage lost", 0.0, 1e9),
-            Parameter::new("i0", "U", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
-            Parameter::new("Ke", "U·s/X", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
+            Parameter::new(Role::Level, "d", "voltage lost", 0.0, 1e9),
+            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
+            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
         ],
         shown_by: "several levels of drive and speed",
         confused_with: &["dead_zone"],
@@ -28,5 +29,11 @@ impl Law for PwmDeadTime {
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         let i = (at.u - p[2] * at.v) / p[1];
         at.u - p[0] * i.min(R::ONE).max(-R::ONE)
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
+        let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
+        Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
     }
 }

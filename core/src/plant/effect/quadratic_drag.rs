@@ -1,6 +1,7 @@
 //! Drag of a fan, a propeller or a turbulent film.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Quadratic drag: `−k·v·|v|`.
@@ -14,7 +15,7 @@ impl Law for QuadraticDrag {
         law: "−k·v·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "U·s²/X²", "drag coefficient", 0.0, 1e9),
+            Parameter::new(Role::Coefficient("U·s²/X²"), "k", "drag coefficient", 0.0, 1e9),
         ],
         shown_by: "high speed",
         confused_with: &["stribeck", "saturation"],
@@ -23,5 +24,9 @@ impl Law for QuadraticDrag {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * at.v * at.v.abs())
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Drag { by_speed: R::ZERO, by_square: p[0] })
     }
 }

@@ -1,6 +1,6 @@
 //! The drive clips.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
 
 /// Saturation of the drive: `u_a = clip(u, ±u_max)`.
@@ -14,7 +14,7 @@ impl Law for Saturation {
         law: "u_a = clip(u, ±u_max)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new("u_max", "U", "limit", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5])),
+            Parameter::new(Role::Threshold, "u_max", "limit", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5])),
         ],
         shown_by: "large drive",
         confused_with: &["quadratic_drag"],

@@ -1,6 +1,7 @@
 //! A spring, a hose or a cable chain.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Spring or cable: `−k·(x − x0)`.
@@ -14,8 +15,8 @@ impl Law for Spring {
         law: "−k·(x − x0)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("k", "U/X", "stiffness", -1e9, 1e9),
-            Parameter::new("x0", "X", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
+            Parameter::new(Role::Stiffness, "k", "stiffness", -1e9, 1e9),
+            Parameter::new(Role::Position, "x0", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
         ],
         shown_by: "long travel",
         confused_with: &["constant_load"],
@@ -24,5 +25,9 @@ impl Law for Spring {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         -(p[0] * (at.x - p[1]))
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Linear { constant: -p[0] * p[1], stiffness: p[0] })
     }
 }

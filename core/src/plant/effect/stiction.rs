@@ -1,6 +1,6 @@
 //! A higher level at rest than in the slowest sliding.
 
-use super::{ActsIn, Definition, Law, Parameter, Scale, Search};
+use super::{ActsIn, Definition, Law, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
 
 /// Stiction: `break-away level f1 + s at rest only`.
@@ -14,7 +14,7 @@ impl Law for Stiction {
         law: "break-away level f1 + s at rest only",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("s", "U", "rise of the level at rest", 0.0, 1e9).search(Search::Grid(Scale::Coulomb, &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2])),
+            Parameter::new(Role::Level, "s", "rise of the level at rest", 0.0, 1e9).search(Search::Grid(Scale::Coulomb, &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2])),
         ],
         shown_by: "slow sine through rest, stick phases",
         confused_with: &["stribeck"],

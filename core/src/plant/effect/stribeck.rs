@@ -1,6 +1,6 @@
 //! Friction that falls with speed: boundary to mixed lubrication. The exponent is a refinement; 2 is the usual form.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,9 +15,9 @@ impl Law for Stribeck {
         law: "−s·e^(−(|v|/vs)^p)·sgn v",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("s", "U", "rise of friction towards rest", 0.0, 1e9),
-            Parameter::new("vs", "X/s", "Stribeck velocity", 1e-12, 1e9).search(Search::Grid(Scale::Speed, &[0.015, 0.03, 0.06, 0.12, 0.25])),
-            Parameter::new("p", "1", "exponent", 0.5, 4.0).refinement(2.0),
+            Parameter::new(Role::Level, "s", "rise of friction towards rest", 0.0, 1e9),
+            Parameter::new(Role::Speed, "vs", "Stribeck velocity", 1e-12, 1e9).search(Search::Grid(Scale::Speed, &[0.015, 0.03, 0.06, 0.12, 0.25])),
+            Parameter::new(Role::Exponent, "p", "exponent", 0.5, 4.0).refinement(2.0),
         ],
         shown_by: "slow motion",
         confused_with: &["stiction", "lugre", "quadratic_drag"],
@@ -39,5 +39,9 @@ impl Law for Stribeck {
             R::ZERO
         };
         p[0] * (-exponent).exp()
+    }
+
+    fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
+        Some(Compensation::Stribeck { rise: p[0], speed: p[1], exponent: p[2] })
     }
 }

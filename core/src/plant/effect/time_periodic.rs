@@ -1,6 +1,6 @@
 //! A force periodic in time: a fan, another machine on the same frame.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Search};
+use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::scalar::Real;
 
 /// Time-periodic disturbance: `+A·sin(ω·t + φ)`.
@@ -14,9 +14,9 @@ impl Law for TimePeriodic {
         law: "+A·sin(ω·t + φ)",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new("A", "U", "amplitude", -1e9, 1e9),
-            Parameter::new("omega", "rad/s", "angular frequency", 1e-9, 1e9).search(Search::Spectrum(Over::Time)),
-            Parameter::new("phi", "rad", "phase at t = 0", -1e9, 1e9).search(Search::Phase),
+            Parameter::new(Role::Amplitude, "A", "amplitude", -1e9, 1e9),
+            Parameter::new(Role::AngularFrequency, "omega", "angular frequency", 1e-9, 1e9).search(Search::Spectrum(Over::Time)),
+            Parameter::phase("phi", 0, "phase at t = 0"),
         ],
         shown_by: "any record, over the session",
         confused_with: &["cogging"],

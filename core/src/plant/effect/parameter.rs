@@ -1,0 +1,109 @@
+//! What the catalogue says of a parameter: its role, its range, and how a starting value is found.
+
+use core::f64::consts::PI;
+
+use super::Role;
+
+/// Most parameters any effect has.
+pub const MAX_PARAMETERS: usize = 5;
+
+/// How a starting value of a parameter is found before it is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// The force is proportional to it: solved for by least squares.
+    Amplitude,
+    /// The phase of the amplitude before it: solved for together with it.
+    Phase,
+    /// Wave number or angular frequency: from the spectrum of the residual force.
+    Spectrum(Over),
+    /// Tried at these multiples of a quantity of the recordings.
+    Grid(Scale, &'static [f64]),
+    /// Angular frequency of a body on a spring, rad/s: tried from the first to the second, as far apart as a segment tells
+    /// two of them.
+    Resonance(f64, f64),
+}
+
+/// The coordinate of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Over {
+    /// Force against position.
+    Position,
+    /// Force times direction of motion against position.
+    PositionAndDirection,
+    /// Force against session time.
+    Time,
+}
+
+/// A quantity of the recordings that sizes a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// One.
+    Unit,
+    /// Root mean square velocity.
+    Speed,
+    /// Largest |drive|.
+    Drive,
+    /// Coulomb friction f1.
+    Coulomb,
+    /// Viscous coefficient c.
+    Viscous,
+    /// Length of the session, s.
+    Session,
+    /// Coulomb friction over the stroke: the stiffness of a presliding as long as the stroke.
+    Presliding,
+    /// Largest |position|.
+    Extent,
+    /// Typical travel within a segment of 0.4 s.
+    Stroke,
+    /// Critical bristle damping at a presliding of a thirtieth of the stroke.
+    BristleDamping,
+}
+
+/// One parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// What it is in the law.
+    pub role: Role,
+    /// Symbol, as in the law and in model files.
+    pub symbol: &'static str,
+    /// Unit of its role, with `U` for the drive's and `X` for the position's.
+    pub unit: &'static str,
+    /// What it is, for a reader.
+    pub meaning: &'static str,
+    /// Smallest valid value.
+    pub min: f64,
+    /// Largest valid value.
+    pub max: f64,
+    /// Value held unless the parameter is refined on purpose; `None` for a parameter that is always fitted.
+    pub default: Option<f64>,
+    /// How a starting value is found.
+    pub search: Search,
+}
+
+impl Parameter {
+    /// A parameter that is always fitted; started as an amplitude.
+    pub const fn new(role: Role, symbol: &'static str, meaning: &'static str, min: f64, max: f64) -> Self {
+        Self { role, symbol, unit: role.unit(), meaning, min, max, default: None, search: Search::Amplitude }
+    }
+    /// The phase of the amplitude that stands at `of` among the effect's parameters. Any number of turns is valid: a fit
+    /// may pass from one turn to the next.
+    pub const fn phase(symbol: &'static str, of: usize, meaning: &'static str) -> Self {
+        Self::new(Role::Phase { of }, symbol, meaning, -1e9, 1e9).search(Search::Phase)
+    }
+    /// The same, started from a spectrum or a grid.
+    pub const fn search(self, search: Search) -> Self {
+        Self { search, ..self }
+    }
+    /// A refinement: held at `default` until asked for.
+    pub const fn refinement(self, default: f64) -> Self {
+        Self { default: Some(default), ..self }
+    }
+    /// Smallest and largest value of the [canonical](super::Effect::canonical) form: what a reader is told. A phase is
+    /// above −π; others are read as well.
+    pub const fn canonical_range(&self) -> (f64, f64) {
+        match self.role {
+            Role::Phase { .. } => (-PI, PI),
+            _ => (self.min, self.max),
+        }
+    }
+}
