@@ -18,7 +18,6 @@ pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
 use crate::model::{BaseSe, EffectEntry, Model};
-use crate::recording::Recording;
 use crate::report::{discovery, json};
 
 /// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
@@ -108,18 +107,18 @@ impl Args {
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
-    let read = |paths: &[PathBuf]| -> anyhow::Result<Vec<Recording>> {
-        Ok(paths.iter().map(|path| columns.read(path)).collect::<Result<_, _>>()?)
-    };
+    let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
     let model = inputs.model.as_deref().map(Model::read).transpose()?;
     let request = Request {
-        recordings: read(&inputs.fit)?,
-        holdout: read(&inputs.score)?,
+        recordings: fit.recordings,
+        holdout: score.recordings,
         model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
         provenance: provenance(inputs.fit.iter().chain(&inputs.score))?,
     };
     let first = inputs.fit.first().map(|path| path.display().to_string()).unwrap_or_default();
-    engine::discover(&request, progress).context(first)
+    let mut found = engine::discover(&request, progress).context(first)?;
+    found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
+    Ok(found)
 }
 
 /// The improved model as a model file has it.

@@ -9,9 +9,10 @@ use serde::Serialize;
 
 use super::output::Output;
 use super::recording_args::RecordingArgs;
+use super::session::Session;
 use crate::identify::estimate::{self, Estimate, Identified, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
-use crate::recording::{Recording, Units};
+use crate::recording::Units;
 use crate::report::json::Quantity;
 
 /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
@@ -108,9 +109,9 @@ impl Args {
     /// # Errors
     /// A recording that cannot be used; data that determine no model; a model file that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
-        let recordings =
-            self.recordings.iter().map(|path| self.columns.read(path)).collect::<Result<Vec<Recording>, _>>()?;
-        let result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
+        let Session { recordings, remarks } = self.columns.read_session(&self.recordings)?;
+        let mut result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
+        result.remarks.extend(remarks);
         let units = recordings[0].units.clone();
         if let Some(path) = &self.output {
             let names: Vec<String> = self.recordings.iter().map(|path| path.display().to_string()).collect();

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 
 use super::progress;
-use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, open};
+use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, Warning, open};
 
 /// Columns and rows of a recording; flatten it into a command's arguments.
 #[derive(Args, Clone, Debug, Default)]
@@ -58,14 +58,21 @@ impl RecordingArgs {
         Ok(recording)
     }
 
-    /// Reads one column of a recording (the position if `None`), with progress.
+    /// Reads one column of a recording (the position if `None`), with progress. Where the clock starts anew, the longest part.
     ///
     /// # Errors
     /// [`RecordingError`], with file, line and column.
     pub fn read_signal(&self, path: &Path, column: Option<&str>) -> Result<Signal, RecordingError> {
         let file = path.display().to_string();
         let input = progress::reading(open(path)?);
-        Signal::read_from(&file, input, column, &self.options())
+        let (signal, found) = Signal::read_mended(&file, input, column, &self.options())?;
+        for warning in found {
+            eprintln!("warning: {file}: {warning}");
+            if let Warning::ClockRestarts { .. } = warning {
+                eprintln!("warning: {file}: the longest part, of {} rows, is used", signal.t.len());
+            }
+        }
+        Ok(signal)
     }
 }
 

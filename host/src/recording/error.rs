@@ -182,25 +182,34 @@ pub enum RecordingError {
         /// Where.
         place: Place,
     },
-    /// Time goes back.
+    /// Time goes back so often that the rows are in no order of time.
     #[error(
-        "{place}: time goes back, from {before} to {after}; sort the rows, or split the file where a new recording begins"
+        "{place}: time goes back from {before} to {after}{}; sort the rows, keep one recording per file, or give the right \
+         column with --time",
+        if *times > 1 { format!(", and so {times} times") } else { String::new() }
     )]
     TimeDecreases {
-        /// Where.
+        /// Where it does so first.
         place: Place,
-        /// Time of the row before.
+        /// Time of the row before, s.
         before: f64,
-        /// Time of this row.
+        /// Time of this row, s.
         after: f64,
+        /// How often it does so.
+        times: u64,
     },
-    /// Time stands still.
-    #[error("{place}: time {time} occurs twice in a row; remove the double row, or give the sampling rate with --fs")]
+    /// Time stands still in all but a few rows.
+    #[error(
+        "{place}: time stands still at {time}, {rows} rows repeat the stamp of the row before; give the right column with \
+         --time, or the sampling rate with --fs"
+    )]
     TimeRepeats {
-        /// Where.
+        /// Where it does so first.
         place: Place,
-        /// The time.
+        /// The time, s.
         time: f64,
+        /// Rows that repeat the stamp of the row before.
+        rows: usize,
     },
     /// `--where` leaves nothing.
     #[error("{file}: no row has {wanted}; the first rows have {}", seen.join(", "))]
@@ -212,17 +221,19 @@ pub enum RecordingError {
         /// Some values the column does have.
         seen: Vec<String>,
     },
-    /// The position never changes.
+    /// No recording of a session moves.
     #[error(
-        "{file}: no motion: column `{column}` is {value} in all {rows} rows; was the drive on, and large enough to overcome friction?"
+        "{file}: no motion: column `{column}` {}; was the drive on, and large enough to overcome friction?",
+        if range.0 == range.1 { format!("is {} in all {rows} rows", range.0) }
+        else { format!("stays within one encoder step, {} to {}, in all {rows} rows", range.0, range.1) }
     )]
     NoMotion {
-        /// The file's name as it was given.
+        /// The first file's name as it was given.
         file: String,
         /// The position column.
         column: String,
-        /// Its value.
-        value: f64,
+        /// Its lowest and highest value.
+        range: (f64, f64),
         /// Rows read.
         rows: usize,
     },

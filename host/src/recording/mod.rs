@@ -6,6 +6,9 @@
 mod error;
 mod field;
 mod header;
+mod held;
+mod lines;
+mod mend;
 mod options;
 mod quality;
 mod quantisation;
@@ -21,6 +24,8 @@ use std::io::{self, Read};
 use std::path::Path;
 
 pub use error::{Place, RecordingError};
+pub use held::Held;
+pub use lines::Lines;
 pub use options::{ReadOptions, Selection};
 pub use quality::Warning;
 pub use signal::Signal;
@@ -54,6 +59,8 @@ pub struct Recording {
     pub meta: BTreeMap<String, String>,
     /// Indices, increasing, at which a new piece begins because samples before it are missing.
     pub gaps: Vec<usize>,
+    /// What the reader found in the file and mended; [`Recording::warnings`] has it too.
+    pub found: Vec<Warning>,
 }
 
 impl Recording {
@@ -66,6 +73,8 @@ impl Recording {
     }
 
     /// Reads from `input`; `file` is its name in messages. Only the three columns are kept in memory.
+    ///
+    /// A recording whose position does not move is read: [`Recording::moves`] tells.
     ///
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
@@ -80,37 +89,26 @@ impl Recording {
         if x.len() < MIN_ROWS {
             return Err(table.too_short(file));
         }
-        if let Some(&value) = x.first()
-            && x.iter().all(|&other| other == value)
-        {
-            return Err(RecordingError::NoMotion {
-                file: file.to_owned(),
-                column: options.position_column().to_owned(),
-                value,
-                rows: x.len(),
-            });
-        }
         let unknown = Units::default();
         let unit_of = |name| units::of_column(name, &table.header);
-        Ok(Self {
+        let mut recording = Self {
             name: file_stem(file),
-            encoder_step: options.encoder_step.or(table.header.encoder_step).or_else(|| quantisation::infer_step(&x)),
+            encoder_step: options.encoder_step.or(table.header.encoder_step),
             units: Units {
                 u: unit_of(options.input_column()).unwrap_or(unknown.u),
                 x: unit_of(options.position_column()).unwrap_or(unknown.x),
             },
             gaps: timing::gaps(&table.t, &table.breaks),
             meta: table.header.meta,
+            found: table.found,
             t: table.t,
             u,
             x,
-        })
-    }
-}
-
-impl Table {
-    fn too_short(&self, file: &str) -> RecordingError {
-        RecordingError::TooShort { file: file.to_owned(), line: self.last_line, rows: self.t.len(), needed: MIN_ROWS }
+        };
+        if recording.encoder_step.is_none() {
+            recording.encoder_step = quantisation::infer_step(&recording.x, recording.held().is_some());
+        }
+        Ok(recording)
     }
 }
 

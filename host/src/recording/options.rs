@@ -23,6 +23,11 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// Name of the time column.
+    pub fn time_column(&self) -> &str {
+        self.time.as_deref().unwrap_or("t")
+    }
+
     /// Name of the position column.
     pub fn position_column(&self) -> &str {
         self.position.as_deref().unwrap_or("x")

@@ -3,6 +3,8 @@
 use std::fmt;
 
 use super::Recording;
+use super::held::Held;
+use super::lines::Lines;
 
 /// Least fraction of samples stuck at an extreme of the drive that is worth a warning.
 const SATURATED: f64 = 0.01;
@@ -10,13 +12,43 @@ const SATURATED: f64 = 0.01;
 const LEVELS: usize = 16;
 /// A number past this is no position and no drive in any unit, and its square may be past what a number can be.
 const LARGE: f64 = 1e100;
+/// Share of repeated stamps from which the clock itself is too coarse; single double rows are far fewer.
+const COARSE_CLOCK: f64 = 0.1;
 /// Samples in a row at the extreme that count as stuck there; a peak touches it once or twice.
 const STUCK: usize = 3;
 
 /// Something a user should know about a recording that can still be used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
+    /// The position stays within one encoder step: there is nothing to learn from this recording.
+    NoMotion {
+        /// Lowest and highest position, position units.
+        range: (f64, f64),
+        /// Number of samples.
+        rows: usize,
+    },
+    /// Rows carry the time stamp of the row before; they are left out.
+    StampRepeated {
+        /// Their lines in the file.
+        lines: Lines,
+        /// Share of the rows, 0 to 1.
+        share: f64,
+    },
+    /// Rows whose time stamp alone is out of order; they are left out.
+    StampStray {
+        /// Their lines in the file.
+        lines: Lines,
+    },
+    /// The clock starts anew inside the file; the recording is cut there.
+    ClockRestarts {
+        /// The lines in the file at which it does.
+        lines: Lines,
+        /// Time stamps before and at the first of them, s.
+        stamps_s: (f64, f64),
+    },
+    /// The sensor refreshes the position less often than rows are written; in between it is held.
+    Held(Held),
     /// The drive is stuck at its extremes for `fraction` of the samples: the true demand is not what was applied.
     Saturated {
         /// Fraction of the samples, 0 to 1.
@@ -53,6 +85,38 @@ pub enum Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoMotion { range: (low, high), rows } if low == high => {
+                write!(out, "the position does not move: it is {low} in all {rows} rows")
+            }
+            Self::NoMotion { range: (low, high), rows } => write!(
+                out,
+                "the position does not move: it stays within one encoder step ({low} to {high}) in all {rows} rows"
+            ),
+            Self::StampRepeated { lines, share } => {
+                write!(out, "{lines}: the time stamp of the row before is repeated; these rows are left out")?;
+                if *share > COARSE_CLOCK && lines.stretches() > 1 {
+                    write!(
+                        out,
+                        " ({:.0} % of all). The clock is coarser than the rows are frequent: --fs HZ counts time from the rows",
+                        100.0 * share
+                    )?;
+                }
+                Ok(())
+            }
+            Self::StampStray { lines } => {
+                write!(out, "{lines}: the time stamp is out of order with the rows around it; these rows are left out")
+            }
+            Self::ClockRestarts { lines, stamps_s: (before, after) } => write!(
+                out,
+                "{lines}: the clock starts anew (first from {before} s to {after} s); the recording is cut there"
+            ),
+            Self::Held(held) => write!(
+                out,
+                "the position is refreshed every {:.3} ms and held in between: {:.0} % of the rows in motion repeat the row \
+                 before",
+                1e3 * held.period_s,
+                100.0 * held.repeated
+            ),
             Self::Saturated { fraction, extremes: (low, high) } => write!(
                 out,
                 "the drive is saturated in {:.1} % of the samples (limits {low} and {high}); column u must be what was applied, not what was asked for",
@@ -79,9 +143,25 @@ impl fmt::Display for Warning {
 }
 
 impl Recording {
-    /// What is doubtful about this recording. Saturation is looked for at both extremes of the drive, unless it has few levels like a relay's.
+    /// Lowest and highest position.
+    fn range(&self) -> (f64, f64) {
+        self.x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)))
+    }
+
+    /// Whether the position moves by more than one encoder step: one step is what a resting sensor flickers by.
+    pub fn moves(&self) -> bool {
+        let (low, high) = self.range();
+        high - low > 1.5 * self.encoder_step.unwrap_or(0.0)
+    }
+
+    /// What is doubtful about this recording, what its reader mended included. Saturation is looked for at both extremes of
+    /// the drive, unless it has few levels like a relay's.
     pub fn warnings(&self) -> Vec<Warning> {
-        let mut found = Vec::new();
+        let mut found = self.found.clone();
+        if !self.moves() {
+            found.push(Warning::NoMotion { range: self.range(), rows: self.x.len() });
+        }
+        found.extend(self.held().map(Warning::Held));
         match levels(&self.u) {
             1 => found.extend(self.u.first().map(|&value| Warning::ConstantDrive { value })),
             count if count > LEVELS => found.extend(saturation(&self.u)),

@@ -13,8 +13,10 @@ const WHOLE_WITHIN: f64 = 0.12;
 /// A finer step than this fraction of the range is the number format's, not an encoder's.
 const FINEST: f64 = 1.0 / 4_294_967_296.0;
 
-/// The greatest step of which all position differences are whole multiples, or `None` if the positions are not visibly quantised.
-pub(super) fn infer_step(x: &[f64]) -> Option<f64> {
+/// The greatest step of which all position differences are whole multiples, or `None` if the positions are not visibly
+/// quantised. Of a `held` position a repeated value does not show a step, and the smallest difference is the only one that can
+/// be a single step.
+pub(super) fn infer_step(x: &[f64], held: bool) -> Option<f64> {
     let x = x.get(..ROWS).unwrap_or(x);
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
     let floor = (high - low) * FINEST;
@@ -27,7 +29,7 @@ pub(super) fn infer_step(x: &[f64]) -> Option<f64> {
         let size = (w[1] - w[0]).abs();
         if size > floor {
             sizes.push(size);
-        } else {
+        } else if !held {
             still += 1;
         }
     }
@@ -45,6 +47,9 @@ pub(super) fn infer_step(x: &[f64]) -> Option<f64> {
         if candidates.len() == CANDIDATES {
             break;
         }
+    }
+    if held {
+        candidates.truncate(1);
     }
     candidates
         .iter()
@@ -65,7 +70,8 @@ fn refine(sizes: &[f64], candidate: f64) -> Option<f64> {
         let within = sizes.partition_point(|&size| size <= reach * step);
         let (mut cross, mut square, mut wrong) = (0.0, 0.0, 0.0);
         for &size in sizes.get(..within)? {
-            let count = (size / step).round();
+            // At least one step: a change much smaller than the step refutes it.
+            let count = (size / step).round().max(1.0);
             let off = size / step - count;
             cross += size * count;
             square += count * count;
@@ -112,24 +118,42 @@ mod tests {
     #[test]
     fn finds_the_step_of_an_encoder_printed_with_few_decimals() {
         // As in the LAAS files: 20 000 counts per turn printed to 1e-5 rad. The print's 0.03 steps average out over 4096 differences.
-        let step = infer_step(&sine(std::f64::consts::TAU / 20_000.0, 5)).unwrap();
+        let step = infer_step(&sine(std::f64::consts::TAU / 20_000.0, 5), false).unwrap();
         assert!((step / (std::f64::consts::TAU / 20_000.0) - 1.0).abs() < 1e-3, "{step}");
-        let exact = infer_step(&sine(0.001, 12)).unwrap();
+        let exact = infer_step(&sine(0.001, 12), false).unwrap();
         assert!((exact - 0.001).abs() < 1e-8, "{exact}");
     }
 
     #[test]
     fn whole_counts_have_step_one() {
         let counts: Vec<f64> = sine(0.001, 12).iter().map(|x| (x * 1000.0).round()).collect();
-        assert_eq!(infer_step(&counts), Some(1.0));
+        assert_eq!(infer_step(&counts, false), Some(1.0));
     }
 
     #[test]
     fn unquantised_constant_and_constant_speed_have_none() {
-        assert_eq!(infer_step(&sine(0.0, 15)), None);
-        assert_eq!(infer_step(&[1.0; 100]), None);
+        assert_eq!(infer_step(&sine(0.0, 15), false), None);
+        assert_eq!(infer_step(&[1.0; 100], false), None);
         let ramp: Vec<f64> = (0..1000).map(|k| 0.1 * f64::from(k)).collect();
-        assert_eq!(infer_step(&ramp), None);
-        assert_eq!(infer_step(&[]), None);
+        assert_eq!(infer_step(&ramp, false), None);
+        assert_eq!(infer_step(&[], false), None);
+    }
+
+    /// Ramps of 0.13 ± 1 % per refresh, repeated four times: the size of a change is the speed, and no step.
+    #[test]
+    fn a_held_position_at_one_speed_has_none() {
+        let mut x = vec![0.0];
+        for k in 0..250 {
+            let next = x[x.len() - 1] + 0.13 + 0.001 * f64::from(k).sin();
+            x.extend([next; 4]);
+        }
+        assert_eq!(infer_step(&x, true), None);
+    }
+
+    /// A few large changes are whole multiples of the largest one to a tenth, if the many small ones count for nothing.
+    #[test]
+    fn small_changes_refute_a_large_step() {
+        let x: Vec<f64> = (0..3000).map(|k| if k % 50 == 0 { 3.0 } else { 0.001 * f64::from(k % 7) }).collect();
+        assert_eq!(infer_step(&x, false), Some(0.001));
     }
 }

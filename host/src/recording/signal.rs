@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::error::RecordingError;
+use super::error::{Place, RecordingError};
 use super::options::ReadOptions;
+use super::quality::Warning;
 use super::table::{Table, Wanted};
 use super::{MIN_ROWS, file_stem, open, timing, units};
 
@@ -39,19 +40,41 @@ impl Signal {
     /// Reads from `input`; `file` is its name in messages.
     ///
     /// # Errors
-    /// [`RecordingError`], with file, line and column.
+    /// [`RecordingError`], with file, line and column; [`RecordingError::TimeDecreases`] if the clock starts anew.
     pub fn read_from(
         file: &str,
         input: impl Read,
         column: Option<&str>,
         options: &ReadOptions,
     ) -> Result<Self, RecordingError> {
+        let (signal, found) = Self::read_mended(file, input, column, options)?;
+        for warning in found {
+            if let Warning::ClockRestarts { lines, stamps_s: (before, after) } = warning {
+                let place =
+                    Place { file: file.to_owned(), line: lines.first(), column: options.time_column().to_owned() };
+                return Err(RecordingError::TimeDecreases { place, before, after, times: lines.count() });
+            }
+        }
+        Ok(signal)
+    }
+
+    /// Reads from `input`, and tells what was mended. Where the clock starts anew, the longest part is taken.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read_mended(
+        file: &str,
+        input: impl Read,
+        column: Option<&str>,
+        options: &ReadOptions,
+    ) -> Result<(Self, Vec<Warning>), RecordingError> {
         let wanted = match column {
             Some(name) => Wanted { name, flag: "--signal" },
             None => Wanted { name: options.position_column(), flag: "--position or --signal" },
         };
         let name = wanted.name.to_owned();
         let mut table = Table::read(file, input, options, &[wanted])?;
+        table.keep_longest_part();
         let y = table.columns.pop().unwrap_or_default();
         if y.len() < MIN_ROWS {
             return Err(table.too_short(file));
@@ -61,13 +84,14 @@ impl Signal {
         {
             return Err(RecordingError::Constant { file: file.to_owned(), column: name, value, rows: y.len() });
         }
-        Ok(Self {
+        let signal = Self {
             name: file_stem(file),
             unit: units::of_column(&name, &table.header),
             column: name,
             gaps: timing::gaps(&table.t, &table.breaks),
             t: table.t,
             y,
-        })
+        };
+        Ok((signal, table.found))
     }
 }

@@ -1,6 +1,5 @@
 //! The streaming reader: the wanted columns of a CSV file, and nothing else, are kept.
 
-use std::borrow::Cow;
 use std::io::{BufRead, BufReader, Read};
 
 use csv::ByteRecord;
@@ -8,7 +7,9 @@ use csv::ByteRecord;
 use super::error::{Place, RecordingError};
 use super::field;
 use super::header::Header;
+use super::lines::LineOfRow;
 use super::options::ReadOptions;
+use super::quality::Warning;
 use crate::nearest::nearest;
 
 /// Values of a `--where` column that a message lists.
@@ -27,9 +28,16 @@ pub(super) struct Table {
     /// Time, s.
     pub t: Vec<f64>,
     pub columns: Vec<Vec<f64>>,
-    /// Kept rows before which samples are missing: dropped (the header says so) or not selected. Increasing.
+    /// Kept rows at which a new piece begins: samples before it are missing (the header says so), are not selected, or were
+    /// stamped by a clock that then started anew. Increasing.
     pub breaks: Vec<usize>,
+    /// Those of `breaks` at which the clock starts anew: how long after the row before them they follow is not known.
+    pub restarts: Vec<usize>,
+    /// Line of each row.
+    pub lines: LineOfRow,
     pub last_line: u64,
+    /// What was mended.
+    pub found: Vec<Warning>,
 }
 
 /// The header row: names, and where it stands.
@@ -128,7 +136,10 @@ impl Table {
             t: Vec::new(),
             columns: vec![Vec::new(); wanted.len()],
             breaks: Vec::new(),
+            restarts: Vec::new(),
+            lines: LineOfRow::default(),
             last_line: names.line,
+            found: Vec::new(),
         };
         let mut dropped = std::mem::take(&mut table.header.gaps).into_iter().peekable();
         let mut seen: Vec<String> = Vec::new();
@@ -141,7 +152,7 @@ impl Table {
             let this = number;
             number += 1;
             let end = rows.position().line();
-            table.last_line = comments + end.saturating_sub(1);
+            let before = std::mem::replace(&mut table.last_line, comments + end.saturating_sub(1));
             // Asked only when something is wrong: it reads the row once more.
             let line = || comments + first_line(&row, end);
             let place = |index: usize| Place {
@@ -187,21 +198,12 @@ impl Table {
                 Clock::Rate { fs_hz } => this as f64 / fs_hz,
                 Clock::Tick { tick_s } => this as f64 * tick_s,
             };
-            if let (Some(&before), Clock::Column { index, .. }) = (table.t.last(), &clock)
-                && t <= before
-            {
-                let place = place(*index);
-                return Err(if t < before {
-                    RecordingError::TimeDecreases { place, before, after: t }
-                } else {
-                    RecordingError::TimeRepeats { place, time: t }
-                });
-            }
             if broken && !table.t.is_empty() {
                 table.breaks.push(table.t.len());
             }
             broken = false;
             table.t.push(t);
+            table.lines.push(if before + 1 == table.last_line { table.last_line } else { line() });
             for (column, &index) in table.columns.iter_mut().zip(&indices) {
                 column.push(field::number(field(index)?, || place(index))?);
             }
@@ -212,6 +214,10 @@ impl Table {
             } else {
                 RecordingError::NothingSelected { file: file.to_owned(), wanted: join(&options.select), seen }
             });
+        }
+        if let Clock::Column { index, .. } = clock {
+            let column = names.columns.get(index).map_or_else(String::new, |name| field::shown(name));
+            table.mend_clock(file, &column)?;
         }
         Ok(table)
     }
@@ -281,8 +287,8 @@ fn clock(options: &ReadOptions, header: &Header, names: &Names<'_>) -> Result<Cl
     if let Some(fs_hz) = options.fs_hz {
         return Ok(Clock::Rate { fs_hz });
     }
-    let name = options.time.as_deref().map_or(Cow::Borrowed("t"), Cow::Borrowed);
-    match (names.index(&name, "--time (or give --fs)"), header.tick_s) {
+    let name = options.time_column();
+    match (names.index(name, "--time (or give --fs)"), header.tick_s) {
         (Ok(index), _) => {
             let unit_s = match name.rsplit('_').next() {
                 Some("ms") => 1e-3,

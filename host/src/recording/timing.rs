@@ -27,14 +27,18 @@ pub struct Timing {
     pub even: bool,
 }
 
-/// Median of the intervals; 0 for fewer than two times.
-fn median_interval(t: &[f64]) -> f64 {
-    let mut intervals: Vec<f64> = t.windows(2).map(|w| w[1] - w[0]).collect();
-    if intervals.is_empty() {
+/// Median of some numbers; 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
         return 0.0;
     }
-    let middle = intervals.len() / 2;
-    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Median of the intervals; 0 for fewer than two times.
+pub(super) fn median_interval(t: &[f64]) -> f64 {
+    median(t.windows(2).map(|w| w[1] - w[0]).collect())
 }
 
 /// Rows at which a new piece begins: after an interval longer than [`GAP_FACTOR`] medians, and where `known` says so. Increasing.
@@ -115,6 +119,7 @@ impl Recording {
                 units: self.units.clone(),
                 meta: self.meta.clone(),
                 gaps: Vec::new(),
+                found: Vec::new(),
             })
             .collect()
     }

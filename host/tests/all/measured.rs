@@ -60,6 +60,52 @@ fn laas_has_jitter_a_gap_and_an_encoder_step() {
     assert!(matches!(laas.warnings()[..], [Warning::Gaps { count: 1, .. }, Warning::Jitter { .. }]));
 }
 
+/// CICESE: in two of the ramps the clock stands still at the end while rows go on (678 and 882 of them); the rest is read.
+#[test]
+fn a_clock_that_stops_leaves_what_it_stamped() {
+    let Some(data) = data() else { return };
+    let options = columns("t_s", "u_Nm", "x_rad");
+    for (file, rows, stopped) in [("est_j1_n05_exp2_gan", 2563, 678), ("est_j1_n05_exp3_gan", 2631, 882)] {
+        let read = Recording::read(&data.join(format!("machines/cicese/{file}.csv")), &options).unwrap();
+        assert_eq!(read.t.len(), rows);
+        assert!(read.gaps.is_empty() && read.moves(), "{:?}", read.gaps);
+        let [Warning::StampRepeated { lines, .. }] = read.found.as_slice() else { panic!("{:?}", read.found) };
+        assert_eq!((lines.count(), lines.stretches()), (stopped, 1));
+    }
+}
+
+/// The FRC drive's position comes every 20 ms into a log of 5 ms (WPILib's period), at slow and fast speeds: to 2 %, for the
+/// log's own clock is off by as much. OpenArm's sticks and slips between refreshes of two or three rows (6 to 9 ms). XL330,
+/// EMPS, LAAS, ODrive and flexlink, whose encoder is coarse, have a position of their own for every row.
+#[test]
+fn held_positions_are_told_from_coarse_encoders() {
+    let Some(data) = data() else { return };
+    let read = |file: &str, options: &ReadOptions| Recording::read(&data.join(file), options).unwrap();
+    let held = |file: &str, options: &ReadOptions| read(file, options).held();
+    let frc = columns("t_s", "u_left_V", "x_left");
+    for run in ["fast_backward", "fast_forward", "slow_backward", "slow_forward"] {
+        let found = held(&format!("machines/frc-swerve/11_8_StandingSwerve__{run}.csv"), &frc).unwrap();
+        assert!((found.period_s / 0.02 - 1.0).abs() < 0.02 && (found.repeated - 0.75).abs() < 0.02, "{run}: {found:?}");
+    }
+    let openarm = held("machines/openarm/joint_5.csv", &columns("t_s", "tau_Nm", "x_rad")).unwrap();
+    assert!((6e-3..9e-3).contains(&openarm.period_s), "{openarm:?}");
+    // Its step is 16 384 per turn. At one speed, what a position moves by in a refresh is no step.
+    let step = read("machines/openarm/joint_5.csv", &columns("t_s", "tau_Nm", "x_rad")).encoder_step.unwrap();
+    assert!((step * 16_384.0 / std::f64::consts::TAU - 1.0).abs() < 1e-3, "{step}");
+    assert_eq!(read("machines/frc-swerve/11_8_StandingSwerve__fast_forward.csv", &frc).encoder_step, None);
+    for (file, options) in [
+        ("machines/xl330/xl330_sin_sin_kp800.csv", columns("t_s", "u_V", "x_rad")),
+        ("machines/xl330/xl330_lift_and_drop_kp100.csv", columns("t_s", "u_V", "x_rad")),
+        ("emps/emps_train.csv", columns("t_s", "u_V", "x_m")),
+        ("laas-motor/current-sine-2hz.csv", columns("t_s", "iq_A", "x_rad")),
+        ("machines/odrive/spinup_4_nocomp_seg16.csv", columns("t_s", "u_set_A", "x_rad")),
+        ("machines/flexlink/swept1_0_10hz.csv", columns("t_s", "u_cmd", "x_counts")),
+        ("machines/so101/friction_gravity_elbow.csv", columns("t_s", "target_rad", "x_rad")),
+    ] {
+        assert_eq!(held(file, &options), None, "{file}");
+    }
+}
+
 #[test]
 fn half_of_a_laas_recording_is_picked_by_its_column() {
     let Some(data) = data() else { return };

@@ -152,6 +152,7 @@ prop_compose! {
             units: Units { u: units.0, x: units.1 },
             meta,
             gaps: vec![gap],
+            found: Vec::new(),
         };
         recording.meta.remove("units");
         recording

@@ -55,17 +55,20 @@ fn fields_that_are_no_finite_numbers() {
     assert_snapshot!(message(b"\xff\xfet\0,\0"), @"a.csv:1: column `number 1`: not UTF-8 text; save the file as UTF-8 CSV");
 }
 
+/// A clock that stands still, and rows in no order of time: nothing that could be mended is left.
 #[test]
-fn clocks_that_go_wrong() {
-    assert_snapshot!(message(with_line(6, "1.25,1,9")), @"a.csv:6: column `t`: time goes back, from 1.5 to 1.25; sort the rows, or split the file where a new recording begins");
-    assert_snapshot!(message(with_line(6, "1.5,1,9")), @"a.csv:6: column `t`: time 1.5 occurs twice in a row; remove the double row, or give the sampling rate with --fs");
+fn clocks_that_cannot_be_mended() {
+    let rows = |t: fn(i32) -> i32| (0..30).map(|k| format!("{},{},{}\n", t(k), k % 3, k * k)).collect::<String>();
+    let file = |t| format!("t,u,x\n{}", rows(t));
+    assert_snapshot!(message(file(|_| 7)), @"a.csv:3: column `t`: time stands still at 7, 29 rows repeat the stamp of the row before; give the right column with --time, or the sampling rate with --fs");
+    assert_snapshot!(message(file(|k| -k)), @"a.csv:3: column `t`: time goes back from 0 to -1, and so 29 times; sort the rows, keep one recording per file, or give the right column with --time");
+    assert_snapshot!(message(file(|k| if k % 2 == 0 { k } else { 100 + k })), @"a.csv:4: column `t`: time goes back from 101 to 2, and so 14 times; sort the rows, keep one recording per file, or give the right column with --time");
 }
 
 #[test]
 fn signals_that_stand_still() {
     let still: String = (0..20).map(|k| format!("{k},{},3.5\n", k % 5)).collect();
     let still = format!("t,u,x\n{still}");
-    assert_snapshot!(message(&still), @"a.csv: no motion: column `x` is 3.5 in all 20 rows; was the drive on, and large enough to overcome friction?");
     let signal = Signal::read_from("a.csv", still.as_bytes(), None, &ReadOptions::default());
     assert_snapshot!(signal.unwrap_err(), @"a.csv: column `x` is constant (3.5 in all 20 rows); there is nothing to fit");
 }
