@@ -154,7 +154,7 @@ fn provenance<'a>(files: impl Iterator<Item = &'a PathBuf>) -> anyhow::Result<Pr
 
 /// The result for people.
 fn told(found: &Discovery) -> String {
-    let mut text = format!("{}\n{}\n", found.verdict.name().replace('_', " "), found.sentence);
+    let mut text = format!("{}\n{}\n", found.verdict.name().replace('_', " "), discovery::sentence::sentence(found));
     for effect in &found.effects {
         let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);
         for p in &effect.parameters {

@@ -376,7 +376,7 @@ impl<'a> Chain<'a> {
     }
 }
 
-fn rung(data: &Data, fit: &Fit) -> Rung {
+pub(super) fn rung(data: &Data, fit: &Fit) -> Rung {
     let score = data.over(&data.score).score(&fit.candidate);
     let (square, count) = open_loop_squares(data, &data.open_loop, fit)
         .iter()

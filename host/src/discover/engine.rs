@@ -2,17 +2,23 @@
 
 use std::time::Instant;
 
-use breakaway_core::plant::Base;
+use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
+use breakaway_core::plant::{Base, Effect};
 
-use super::chain::{Chain, Tie};
-use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
+use super::by_force;
+use super::chain::{Ended, Tie};
+use super::data::Data;
+use super::judge;
+use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
-use super::outcome::{Discovery, NamedEffect, Overlay, Provenance, Rung, Verdict};
+use super::outcome::{Discovery, Overlay, Provenance};
 use super::refit;
 use super::screen::Screen;
+use super::small_effects;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
 use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
+use crate::identify::track::Track;
 use crate::recording::{Recording, Units};
 
 /// Iterations of the base model's fit.
@@ -76,61 +82,105 @@ pub struct Request {
 
 /// Finds what the model misses. `progress` is told what is being done.
 ///
-/// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
+/// The judge rules on the measured forces. Where the machine is so quiet that the sensor's noise may be all that is left, the
+/// simulated motion is asked for effects too small for that, and is believed where it comes down to that noise.
 ///
 /// # Errors
 /// [`DiscoverError`].
 pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
-    let mut found = within(request, FIT_SEGMENT_S, progress)?;
-    if found.verdict == Verdict::Unknown {
-        progress("looking again over shorter segments");
-        match within(request, SHORT_SEGMENT_S, progress) {
-            Ok(mut short) if !short.effects.is_empty() => {
-                short.remarks.push(format!(
-                    "no model follows the motion over {FIT_SEGMENT_S} s: fitted and scored over segments of {SHORT_SEGMENT_S} s"
-                ));
-                found = short;
-            }
-            Ok(short) => found.nearest = short.nearest.or(found.nearest),
-            Err(_) => (),
-        }
-        found.remarks.extend(found.nearest.clone().filter(|_| found.effects.is_empty()));
-    }
+    let units = same_units(request)?;
+    progress("judging the measured forces");
+    let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
+    let judged = without_known(&request.recordings, known);
+    let ruling = judge::ruling::rule(&judged, radians(&units), &judge::settings::Settings::default());
+    let ruling = ruling.map(|ruling| ruling.beside(known));
+    let quiet = ruling.as_ref().is_none_or(Ruling::quiet);
+    let simulated = quiet.then(|| small_effects::found(request, &units, ruling.as_ref(), progress));
+    let mut found = match (simulated, &ruling) {
+        (Some(Ok(found)), _) if found.down_to_the_noise() => found,
+        (Some(found), None) => found?,
+        (_, Some(ruling)) => by_force::found(request, &units, ruling, progress)?,
+        (None, None) => small_effects::found(request, &units, None, progress)?,
+    };
+    found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();
     Ok(found)
 }
 
-/// The chain over segments of one length.
-fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
-    let units = same_units(request)?;
+/// Radians in a position unit; `None` where the position is no angle.
+fn radians(units: &Units) -> Option<f64> {
+    matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
+}
+
+/// The recordings with the forces of effects that are known already taken from the drive.
+fn without_known(recordings: &[Recording], known: &[Effect<f64>]) -> Vec<Recording> {
+    let forces: Vec<&Effect<f64>> = known.iter().filter(|e| e.kind.acts_in() == ActsIn::Force).collect();
+    if forces.is_empty() {
+        return recordings.to_vec();
+    }
+    let each = recordings.iter().map(|recording| {
+        let track = Track::new(recording);
+        let mut own = recording.clone();
+        for (k, u) in own.u.iter_mut().enumerate() {
+            let at = PlantInstant { t: track.t[k], x: track.xs[k], v: track.vs[k], u: *u, over_s: track.ts };
+            let base = Base { b: 1.0, c: 0.0, f1: 0.0 };
+            *u += forces.iter().map(|e| e.force(&at) - e.level(&base, &at) * at.v.signum()).sum::<f64>();
+        }
+        own
+    });
+    each.collect()
+}
+
+/// Recordings, starting model and base fit of a discovery over segments of one length.
+pub(super) struct Prepared {
+    pub data: Data,
+    pub base: Fit,
+    pub remarks: Vec<String>,
+}
+
+/// Prepares them.
+pub(super) fn prepared(
+    request: &Request,
+    segment_s: f64,
+    ruling: Option<&Ruling>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Prepared, DiscoverError> {
     progress("preparing the recordings");
     let data = Data::new(&request.recordings, &request.holdout, segment_s);
     if data.fit.len() < 3 || data.score.is_empty() {
         return Err(DiscoverError::TooShort(segment_s));
     }
-    let (start, mut remarks) = starting_model(request)?;
+    let (start, remarks) = starting_model(request, ruling)?;
     progress("fitting the base model");
-    let base_fit =
+    let base =
         refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
-    let chain = grown(Chain::new(&data, &units, base_fit.clone()), progress);
-    let other = chain.begun_otherwise().map(|other| grown(other, progress)).find(|other| other.replaces(&chain));
-    let ended = other.unwrap_or(chain).end();
+    Ok(Prepared { data, base, remarks })
+}
+
+/// What a discovery comes to, with maps, overlays and the experiment that would decide.
+pub(super) fn assembled(
+    request: &Request,
+    prepared: &Prepared,
+    units: &Units,
+    ended: Ended,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Discovery {
+    let Prepared { data, base, remarks } = prepared;
+    let mut remarks = remarks.clone();
     remarks.extend(ended.remarks);
     let (current, named, ladder) = (ended.fit, ended.named, ended.ladder);
     progress("drawing the map");
-    let where_map = match (Screen::new(&data, &base_fit.candidate), Screen::new(&data, &current.candidate)) {
-        (Some(before), Some(after)) => where_map::rows(&data, &before, &after, &units),
+    let where_map = match (Screen::new(data, &base.candidate), Screen::new(data, &current.candidate)) {
+        (Some(before), Some(after)) => where_map::rows(data, &before, &after, units),
         _ => Vec::new(),
     };
     let next_experiment = ended.tie.and_then(|Tie { a, b, kinds }| {
         progress("designing the next experiment");
-        next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(&data), &units)
+        next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(data), units)
     });
-    let verdict = ended.verdict;
-    Ok(Discovery {
-        verdict,
-        sentence: sentence(verdict, &named, &ladder, data.sigma, where_map.first().map(|w| w.coordinate)),
+    Discovery {
+        verdict: ended.verdict,
         effects: named,
         ladder,
         model: current.candidate.clone(),
@@ -139,21 +189,16 @@ fn within(request: &Request, segment_s: f64, progress: &(dyn Fn(&str) + Sync)) -
         noise_floor: data.sigma,
         where_map,
         candidates: ended.first_round,
-        overlays: overlays(&data, &base_fit, &current),
+        overlays: overlays(data, base, &current),
         next_experiment,
         nearest: ended.closest,
         remarks,
-        units,
+        units: units.clone(),
         segments: (data.fit.len() + data.score.len(), data.available),
         seconds: 0.0,
+        force: None,
         provenance: request.provenance.clone(),
-    })
-}
-
-/// A model grown until nothing is missing, or nothing more can be named.
-fn grown<'a>(mut chain: Chain<'a>, progress: &(dyn Fn(&str) + Sync)) -> Chain<'a> {
-    while chain.step(progress) {}
-    chain
+    }
 }
 
 fn same_units(request: &Request) -> Result<Units, DiscoverError> {
@@ -172,15 +217,25 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
 }
 
 /// The model to start from, and what identifying it from the recordings had to say.
-fn starting_model(request: &Request) -> Result<(Candidate, Vec<String>), DiscoverError> {
-    let identified = estimate::identify(&request.recordings)?;
-    let best = &identified.best;
-    let base = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
+fn starting_model(request: &Request, ruling: Option<&Ruling>) -> Result<(Candidate, Vec<String>), DiscoverError> {
+    let identified = estimate::identify(&request.recordings);
+    let by_force = ruling.filter(|ruling| ruling.tells_inertia()).map(|ruling| ruling.base);
+    let (identified, base) = match (identified, by_force) {
+        (Ok(identified), by_force) => {
+            let best = &identified.best;
+            let own = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
+            // A base that misses an effect of the size of the drive is no base.
+            (identified.remarks, by_force.filter(|_| ruling.is_some_and(|r| !r.findings.is_empty())).unwrap_or(own))
+        }
+        (Err(_), Some(by_force)) => (Vec::new(), by_force),
+        (Err(error), None) => return Err(error.into()),
+    };
     // What is missing is said below, and better.
-    let remarks = identified.remarks.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect();
+    let remarks = identified.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect();
     let Some(model) = &request.model else { return Ok((Candidate { base, effects: Vec::new() }, remarks)) };
     let factor = (model.base.b / base.b).max(base.b / model.base.b);
-    if factor > UNITS_FACTOR {
+    // A base that misses the main effect does not tell units.
+    if factor > UNITS_FACTOR && ruling.is_none_or(Ruling::tells_inertia) {
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
     Ok((Candidate { base, effects: model.effects.clone() }, remarks))
@@ -239,26 +294,4 @@ fn overlays(data: &Data, before: &Fit, after: &Fit) -> Vec<Overlay> {
         });
     }
     overlays
-}
-
-fn sentence(verdict: Verdict, named: &[NamedEffect], ladder: &[Rung], sigma: f64, place: Option<&str>) -> String {
-    let titles: Vec<String> = named.iter().map(|n| n.kind.definition().title.to_lowercase()).collect();
-    let (first, last) = (&ladder[0], &ladder[ladder.len() - 1]);
-    let errors = format!(
-        "the held-out simulation error falls from {:.1} to {:.1} times the noise",
-        first.holdout_rmse / sigma,
-        last.holdout_rmse / sigma
-    );
-    let place = place.unwrap_or("no coordinate");
-    match verdict {
-        Verdict::Explained => format!("The model missed {}: with it {errors}.", titles.join(" and ")),
-        Verdict::PartlyExplained => {
-            format!("The model missed {}: with it {errors}; something else remains.", titles.join(" and "))
-        }
-        Verdict::Unknown => format!(
-            "The gap is real ({:.1} times the noise), and no effect of the catalogue explains it; it lives along {place}.",
-            first.holdout_rmse / sigma
-        ),
-        Verdict::NothingMissing => "Nothing is missing: simulation and measurement agree within the noise.".to_owned(),
-    }
 }

@@ -145,6 +145,27 @@ pub struct NextExperiment {
     pub difference_over_noise: f64,
 }
 
+/// The measured forces: what the base leaves of them, what the final model leaves, and what that is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Force {
+    /// Held-out residual over the rms of the drive, base and final model.
+    pub drive: [f64; 2],
+    /// The same of the acceleration from the drive.
+    pub acceleration: [f64; 2],
+    /// ρ²: share of the acceleration that the drive determines, 0 to 1.
+    pub coherence: f64,
+    /// Half-width of the windows, s.
+    pub half_width_s: f64,
+    /// Rms of what is left in windows so wide that the sensor's noise does not count, drive units.
+    pub random: f64,
+    /// The same over the rms of the drive.
+    pub random_share: f64,
+    /// Highest frequency that those windows let pass, Hz.
+    pub bandwidth_hz: f64,
+    /// What predicts a part of that; `None` if nothing does, and it is random.
+    pub predictable: Option<&'static str>,
+}
+
 /// Where it all comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
@@ -161,8 +182,6 @@ pub struct Provenance {
 pub struct Discovery {
     /// Verdict.
     pub verdict: Verdict,
-    /// The verdict in one sentence.
-    pub sentence: String,
     /// Effects that were added, in order.
     pub effects: Vec<NamedEffect>,
     /// The ladder, the base first.
@@ -193,6 +212,15 @@ pub struct Discovery {
     pub segments: (usize, usize),
     /// Time taken, s.
     pub seconds: f64,
+    /// The measured forces; `None` where the recordings hold no windows in motion.
+    pub force: Option<Force>,
     /// Inputs, version, command.
     pub provenance: Provenance,
+}
+
+impl Discovery {
+    /// Whether the simulated motion follows the measured one down to the sensor's noise.
+    pub fn down_to_the_noise(&self) -> bool {
+        matches!(self.verdict, Verdict::Explained | Verdict::NothingMissing)
+    }
 }

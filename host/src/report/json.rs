@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::discover::outcome::{Discovery, NamedEffect, NextExperiment, Rung, WhereRow};
+use crate::discover::outcome::{Discovery, Force, NamedEffect, NextExperiment, Rung, WhereRow};
 use crate::simulate::experiment::Experiment;
 
 /// The JSON document of a discovery.
 #[derive(Debug, Serialize)]
 pub struct Document<'a> {
     verdict: &'static str,
-    sentence: &'a str,
+    sentence: String,
     effects: Vec<EffectJson<'a>>,
     base: BTreeMap<&'static str, Quantity>,
     ladder: Vec<RungJson>,
     noise_floor: f64,
+    force: Option<ForceJson>,
     #[serde(rename = "where")]
     where_map: Vec<WhereJson<'a>>,
     candidates: Vec<CandidateJson<'a>>,
@@ -49,6 +50,36 @@ struct RivalJson {
     delta: f64,
     z: f64,
     tied: bool,
+}
+
+/// Measured forces; shares are of the rms of the drive and of the acceleration.
+#[derive(Debug, Serialize)]
+struct ForceJson {
+    drive_before: f64,
+    drive_after: f64,
+    acceleration_before: f64,
+    acceleration_after: f64,
+    coherence: f64,
+    random: f64,
+    random_share: f64,
+    bandwidth_hz: f64,
+    predictable: Option<&'static str>,
+}
+
+impl From<Force> for ForceJson {
+    fn from(force: Force) -> Self {
+        Self {
+            drive_before: force.drive[0],
+            drive_after: force.drive[1],
+            acceleration_before: force.acceleration[0],
+            acceleration_after: force.acceleration[1],
+            coherence: force.coherence,
+            random: force.random,
+            random_share: force.random_share,
+            bandwidth_hz: force.bandwidth_hz,
+            predictable: force.predictable,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -175,11 +206,12 @@ impl<'a> From<&'a Discovery> for Document<'a> {
         let inputs = discovery.provenance.inputs.iter().map(|(file, sha256)| InputJson { file, sha256 });
         Self {
             verdict: discovery.verdict.name(),
-            sentence: &discovery.sentence,
+            sentence: super::discovery::sentence::sentence(discovery),
             effects: discovery.effects.iter().map(EffectJson::from).collect(),
             base,
             ladder: discovery.ladder.iter().map(RungJson::from).collect(),
             noise_floor: discovery.noise_floor,
+            force: discovery.force.map(ForceJson::from),
             where_map: discovery.where_map.iter().map(WhereJson::from).collect(),
             candidates: candidates.collect(),
             next_experiment: discovery.next_experiment.as_ref().map(NextJson::from),

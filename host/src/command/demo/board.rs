@@ -149,7 +149,7 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
         report: report.display().to_string(),
         tracking: page.display().to_string(),
         seconds: begin.elapsed().as_secs_f64(),
-        sentence: found.sentence.clone(),
+        sentence: crate::report::discovery::sentence::sentence(&found),
         unit: model.units.x.clone(),
     };
     output.print(&document, text)

@@ -87,7 +87,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
 fn told(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
     let mut lines = vec![
         format!("an effect was hidden in the axis; break-away force found: {force:.3} V; suite of 8 experiments, 60 s"),
-        found.sentence.clone(),
+        crate::report::discovery::sentence::sentence(found),
     ];
     for effect in &found.effects {
         let values: Vec<String> = effect

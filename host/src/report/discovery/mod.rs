@@ -1,6 +1,7 @@
 //! The page of a discovery (discovery.md, "The report").
 
 mod figures;
+pub mod sentence;
 mod tables;
 
 use std::fmt::Write as _;
@@ -31,7 +32,7 @@ pub fn page(discovery: &Discovery) -> Page {
         title: "Breakaway discovery".into(),
         badge: badge.into(),
         badge_class,
-        sentence: discovery.sentence.clone(),
+        sentence: sentence::sentence(discovery),
         facts: facts(discovery),
         lead,
         sections,

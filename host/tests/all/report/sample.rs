@@ -61,9 +61,7 @@ fn overlay(title: &str, after: bool) -> Overlay {
 pub fn explained() -> Discovery {
     Discovery {
         verdict: Verdict::Explained,
-        sentence: "The model misses Stribeck friction and cogging of 7 cycles per revolution; with both, the held-out \
-                   simulation error falls 19-fold, down to the noise."
-            .into(),
+        force: None,
         effects: vec![
             NamedEffect {
                 kind: Kind::Stribeck,
@@ -145,10 +143,7 @@ pub fn explained() -> Discovery {
 pub fn unknown() -> Discovery {
     Discovery {
         verdict: Verdict::Unknown,
-        sentence:
-            "Something is missing at one position, near 1.2 rad, that no effect of the catalogue explains; nothing \
-                   was added to the model."
-                .into(),
+        force: None,
         effects: Vec::new(),
         ladder: vec![rung(&[], [0.0093, 0.0101, 0.0442])],
         where_map: vec![

@@ -1,0 +1,150 @@
+//! The judge's names as a model: the simulated motion gives the parameters that are printed and the ladder; it does not decide.
+
+use super::chain::{Ended, rung};
+use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
+use super::engine::{DiscoverError, Request, assembled, prepared};
+use super::gap::{open_loop_squares, root_mean};
+use super::judge::evidence::Rejection;
+use super::judge::ruling::{Candidacy, Finding, Ruling};
+use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Verdict};
+use super::ranking::parameters;
+use super::refit;
+use crate::identify::shooting::{Candidate, Fit, Free, SCORE_ITERATIONS};
+use crate::recording::Units;
+
+/// Iterations of the fit of the simulated motion.
+const ITERATIONS: usize = 20;
+
+/// What the judge's ruling comes to as a discovery.
+///
+/// # Errors
+/// [`DiscoverError`] where no base can be simulated at all.
+pub(super) fn found(
+    request: &Request,
+    units: &Units,
+    ruling: &Ruling,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Discovery, DiscoverError> {
+    let start = prepared(request, FIT_SEGMENT_S, Some(ruling), progress)
+        .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress))?;
+    let (data, base) = (&start.data, &start.base);
+    progress("fitting the simulated motion");
+    let mut remarks = Vec::new();
+    let fit = if ruling.findings.is_empty() { base.clone() } else { simulated(data, base, ruling, &mut remarks) };
+    let errors = data.problem().covariance(&fit);
+    let known = base.candidate.effects.len();
+    let named = ruling.findings.iter().enumerate().map(|(j, finding)| NamedEffect {
+        kind: finding.effect.kind,
+        parameters: parameters(&fit.candidate, known + j, Some(&errors), units),
+        rivals: rivals(finding),
+    });
+    let mut ladder = vec![rung(data, base)];
+    if !ruling.findings.is_empty() {
+        ladder.push(rung(data, &fit));
+    }
+    let ended = Ended {
+        verdict: verdict(ruling),
+        named: named.collect(),
+        errors,
+        fit,
+        ladder,
+        first_round: ruling.candidates.iter().map(|own| row(own, ruling)).collect(),
+        closest: None,
+        tie: None,
+        remarks,
+    };
+    Ok(assembled(request, &start, units, ended, progress))
+}
+
+/// The measured forces of a ruling, as the report shows them.
+pub(super) fn force(ruling: &Ruling) -> Force {
+    Force {
+        drive: ruling.residual_u,
+        acceleration: ruling.residual_a,
+        coherence: ruling.coherence,
+        half_width_s: ruling.half_width_s,
+        random: ruling.remainder.rms_u,
+        random_share: ruling.remainder.share,
+        bandwidth_hz: ruling.remainder.bandwidth_hz,
+        predictable: ruling.remainder.predictable.map(|name| name.text()),
+    }
+}
+
+/// The verdict by what is predictable of the force that is left, and what is random.
+fn verdict(ruling: &Ruling) -> Verdict {
+    match (ruling.findings.is_empty(), ruling.remainder.predictable) {
+        (false, None) => Verdict::Explained,
+        (false, Some(_)) => Verdict::PartlyExplained,
+        (true, None) if ruling.tells_nothing_is_missing() => Verdict::NothingMissing,
+        (true, _) => Verdict::Unknown,
+    }
+}
+
+/// The model with the findings: fitted to the simulated motion, or with the parameters of the force fit where that follows the
+/// open loop better, as behind teeth of which the simulated rotor is soon off by one.
+fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>) -> Fit {
+    let mut candidate = Candidate { base: ruling.base, effects: base.candidate.effects.clone() };
+    candidate.effects.extend(ruling.findings.iter().map(|finding| finding.effect));
+    let known = base.candidate.effects.len();
+    let held = |free: &Free| match *free {
+        Free::Effect(j, i) => j >= known && ruling.findings[j - known].held.contains(&i),
+        Free::Base(_) => false,
+    };
+    let mut free = Free::all(&candidate.effects);
+    free.retain(|free| !held(free));
+    let problem = data.problem();
+    let by_force = problem.fit(&candidate, &[], None, SCORE_ITERATIONS);
+    let by_motion = problem.fit(&candidate, &free, None, ITERATIONS).map(|fit| refit::settled(data, fit));
+    let open_loop = |fit: &Fit| {
+        let windows = open_loop_squares(data, &data.open_loop, fit);
+        let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
+        if count > 0 { square / count as f64 } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
+    };
+    match (by_force, by_motion) {
+        (Ok(force), Ok(motion)) if open_loop(&force) < open_loop(&motion) => {
+            remarks.push(
+                "the parameters are those of the force fit: the simulated motion, from which they would be finer, follows the \
+                 open loop less well with its own"
+                    .to_owned(),
+            );
+            force
+        }
+        (_, Ok(motion)) => motion,
+        (Ok(force), Err(error)) => {
+            remarks
+                .push(format!("the parameters are those of the force fit: the simulated motion gives none ({error})"));
+            force
+        }
+        (Err(_), Err(_)) => base.clone(),
+    }
+}
+
+fn rivals(finding: &Finding) -> Vec<Rival> {
+    let tied = finding.tied.iter();
+    tied.map(|(kind, z)| Rival { kind: *kind, delta: 0.0, z: *z, tied: true }).collect()
+}
+
+/// A line of the first round.
+fn row(own: &Candidacy, ruling: &Ruling) -> CandidateRow {
+    let named = ruling.findings.iter().any(|finding| finding.effect.kind == own.kind);
+    let tied = ruling.findings.iter().any(|finding| finding.tied.iter().any(|(kind, _)| *kind == own.kind));
+    let fate = match own.rejection {
+        _ if named => "named".to_owned(),
+        _ if tied => "tied: these recordings cannot tell it from the named effect".to_owned(),
+        None => "holds, and explains less than the named effect".to_owned(),
+        Some(rejection) => rejected(rejection).to_owned(),
+    };
+    CandidateRow { kind: own.kind, delta: own.gain, z: own.z, lambda: f64::NAN, fate }
+}
+
+const fn rejected(rejection: Rejection) -> &'static str {
+    match rejection {
+        Rejection::Gain => "gains too little, or not in every part of the recordings",
+        Rejection::Inertia => "the inertia is not positive with it",
+        Rejection::Base => "the friction of the base is negative with it",
+        Rejection::Coherence => "the drive tells less of the acceleration with it",
+        Rejection::Disagreement(_) => "drive and acceleration do not say the same force",
+        Rejection::Amplitude => "its amplitude has the wrong sign",
+        Rejection::Floor => "a constant and the direction say as much of the drive",
+    }
+}

@@ -1,0 +1,222 @@
+//! Recordings on an even clock: the position at the clock's instants, the drive as the mean over the interval about each.
+//!
+//! The mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2 on an even clock. Without it the hold looks
+//! like half a sample of delay.
+
+use super::settings::Settings;
+use crate::recording::Recording;
+
+/// A stretch of a recording without a gap, on an even clock.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Which recording.
+    pub recording: usize,
+    /// Interval, s.
+    pub h_s: f64,
+    /// Session time, s.
+    pub t: Vec<f64>,
+    /// Position, position units.
+    pub x: Vec<f64>,
+    /// Mean drive about the instant, drive units.
+    pub u: Vec<f64>,
+    /// Standard deviation of the position's noise, position units.
+    pub sigma: f64,
+}
+
+/// All recordings that are judged together.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// Pieces in the order of the recordings.
+    pub pieces: Vec<Piece>,
+    /// Recordings.
+    pub recordings: usize,
+    /// Whether time runs on from each recording to the next, so that effects of session time can be asked for.
+    pub shared_clock: bool,
+}
+
+/// Gap that ends a piece: so many seconds, and so many intervals.
+const GAP_S: f64 = 0.05;
+const GAP_INTERVALS: f64 = 12.0;
+
+impl Dataset {
+    /// Puts recordings on even clocks.
+    pub fn new(recordings: &[Recording], settings: &Settings) -> Self {
+        let starts = recordings.windows(2).all(|pair| {
+            let end = pair[0].t.last().copied().unwrap_or(0.0);
+            pair[1].t.first().is_some_and(|first| *first >= end)
+        });
+        let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
+        Self { pieces, recordings: recordings.len(), shared_clock: starts }
+    }
+}
+
+impl Dataset {
+    /// Angular frequency at which the drive of each recording repeats, rad/s, and how often it does; none where it does not.
+    pub fn fundamentals(&self) -> Vec<(f64, f64)> {
+        self.pieces
+            .iter()
+            .filter_map(|piece| {
+                // A few thousand samples tell a period of a tenth of them.
+                let thin = (piece.u.len() / 3000).max(1);
+                let u: Vec<f64> = piece.u.iter().step_by(thin).copied().collect();
+                let n = u.len();
+                let mean = u.iter().sum::<f64>() / n.max(1) as f64;
+                let product = |lag: usize| -> f64 {
+                    let pairs = u.iter().zip(&u[lag..]);
+                    let (mut cross, mut a, mut b) = (0.0, 0.0, 0.0);
+                    for (x, y) in pairs {
+                        cross += (x - mean) * (y - mean);
+                        a += (x - mean).powi(2);
+                        b += (y - mean).powi(2);
+                    }
+                    cross / (a * b).sqrt().max(f64::MIN_POSITIVE)
+                };
+                let mut fell = false;
+                let mut best: Option<(usize, f64)> = None;
+                for lag in 2..n / 3 {
+                    let own = product(lag);
+                    fell |= own < 0.5;
+                    if fell && own > REPEATS && best.is_none_or(|(_, most)| own > most) {
+                        best = Some((lag, own));
+                    } else if best.is_some() && own < 0.5 {
+                        break;
+                    }
+                }
+                let (lag, _) = best?;
+                let period_s = (lag * thin) as f64 * piece.h_s;
+                // The last multiple of the period within the piece tells it best.
+                let most = n / lag - 1;
+                let around =
+                    (lag * most).saturating_sub(most.min(lag / 4))..=(lag * most + most.min(lag / 4)).min(n - 2);
+                let at = around.max_by(|a, b| product(*a).total_cmp(&product(*b)));
+                let refined =
+                    at.filter(|_| most >= 2).map_or(period_s, |at| (at * thin) as f64 * piece.h_s / most as f64);
+                Some((std::f64::consts::TAU / refined, n as f64 / lag as f64))
+            })
+            .collect()
+    }
+}
+
+/// Correlation of the drive with itself a period later from which it counts as periodic.
+const REPEATS: f64 = 0.9;
+
+fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Piece> {
+    let mut intervals: Vec<f64> = recording.t.windows(2).map(|w| w[1] - w[0]).collect();
+    if intervals.is_empty() {
+        return Vec::new();
+    }
+    let tick = {
+        let middle = intervals.len() / 2;
+        *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let held = recording.held().map_or(1, |held| held.period_rows.round().max(1.0) as usize);
+    let mut bounds = vec![0];
+    let longest = GAP_S.max(GAP_INTERVALS * tick);
+    bounds.extend((1..recording.t.len()).filter(|k| recording.t[*k] - recording.t[k - 1] > longest));
+    bounds.extend(recording.gaps.iter().copied().filter(|k| (1..recording.t.len()).contains(k)));
+    bounds.push(recording.t.len());
+    bounds.sort_unstable();
+    bounds.dedup();
+    let average = (settings.least_interval_s / tick).ceil().max(1.0) as usize;
+    let each = |range: std::ops::Range<usize>| {
+        let rows = Rows { t: &recording.t[range.clone()], u: &recording.u[range.clone()], x: &recording.x[range] };
+        rows.even(tick, held, average).map(|(t, x, u)| Piece {
+            recording: index,
+            h_s: tick * (held.max(average)) as f64,
+            t,
+            x,
+            u,
+            sigma: 0.0,
+        })
+    };
+    let mut pieces: Vec<Piece> = bounds.windows(2).filter_map(|w| each(w[0]..w[1])).collect();
+    let quantised = recording.encoder_step.unwrap_or(0.0) / (12.0 * average as f64).sqrt();
+    let sigma = noise(&pieces).max(quantised).max(f64::MIN_POSITIVE);
+    pieces.iter_mut().for_each(|piece| piece.sigma = sigma);
+    pieces
+}
+
+/// Rows of a piece as they were recorded.
+struct Rows<'a> {
+    t: &'a [f64],
+    u: &'a [f64],
+    x: &'a [f64],
+}
+
+impl Rows<'_> {
+    /// Time, position and mean drive on an even clock; `None` where the piece is shorter than a few intervals.
+    fn even(&self, tick: f64, held: usize, average: usize) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+        // The instants at which the position is fresh.
+        let period = held as f64 * tick;
+        let mut fresh = vec![0];
+        for k in 1..self.t.len() {
+            let last = *fresh.last().unwrap_or(&0);
+            if held == 1 || self.x[k] != self.x[k - 1] || self.t[k] - self.t[last] > 1.5 * period {
+                fresh.push(k);
+            }
+        }
+        let h = tick * held.max(average) as f64;
+        let (first, last) = (self.t[0], self.t[*fresh.last()?]);
+        let count = ((last - first) / h - if average > 1 { 1.0 } else { 0.0 }).floor();
+        if !(count >= 8.0 && count.is_finite()) {
+            return None;
+        }
+        let offset = if average > 1 { 0.5 * h } else { 0.0 };
+        let t: Vec<f64> = (0..=count as usize).map(|i| first + offset + i as f64 * h).collect();
+        let held_drive: Vec<f64> = cumulative(self.t, |k| self.u[k]);
+        let drive = |at: f64| integral_at(self.t, &held_drive, |k, dt| self.u[k] * dt, at);
+        let u = t.iter().map(|t| (drive(t + 0.5 * h) - drive(t - 0.5 * h)) / h).collect();
+        let x = if average > 1 {
+            let line = |k: usize| 0.5 * (self.x[k] + self.x[(k + 1).min(self.x.len() - 1)]);
+            let sums = cumulative(self.t, line);
+            let position = |at: f64| integral_at(self.t, &sums, |k, dt| line(k) * dt, at);
+            t.iter().map(|t| (position(t + 0.5 * h) - position(t - 0.5 * h)) / h).collect()
+        } else {
+            let mut j = 0;
+            t.iter()
+                .map(|t| {
+                    while j + 2 < fresh.len() && self.t[fresh[j + 1]] <= *t {
+                        j += 1;
+                    }
+                    let (a, b) = (fresh[j], fresh[j + 1]);
+                    let share = ((t - self.t[a]) / (self.t[b] - self.t[a])).clamp(0.0, 1.0);
+                    self.x[a] + share * (self.x[b] - self.x[a])
+                })
+                .collect()
+        };
+        Some((t, x, u))
+    }
+}
+
+/// Integral from the first instant to each, of a quantity that is held from row to row.
+fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut sums = vec![0.0];
+    for k in 1..t.len() {
+        sum += value(k - 1) * (t[k] - t[k - 1]);
+        sums.push(sum);
+    }
+    sums
+}
+
+/// The same up to any instant; before the first row and after the last the quantity is that row's.
+fn integral_at(t: &[f64], sums: &[f64], part: impl Fn(usize, f64) -> f64, at: f64) -> f64 {
+    let k = t.partition_point(|t| *t <= at).saturating_sub(1);
+    sums[k] + part(k, at - t[k])
+}
+
+/// Standard deviation of the position's noise from its third differences, which a smooth motion does not reach; outliers are left
+/// out.
+fn noise(pieces: &[Piece]) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let mut thirds: Vec<f64> = pieces.iter().flat_map(|p| p.x.windows(4).map(third)).collect();
+    if thirds.is_empty() {
+        return 0.0;
+    }
+    let middle = thirds.len() / 2;
+    let median = *thirds.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let kept: Vec<f64> = thirds.into_iter().filter(|d| *d <= 6.0 * median).collect();
+    let square = kept.iter().map(|d| d * d).sum::<f64>() / kept.len().max(1) as f64;
+    // The third difference of white noise has 20 times its variance.
+    (square / 20.0).sqrt()
+}

@@ -1,0 +1,224 @@
+//! What speaks for a term, and why it is not believed.
+
+use super::regression::rms;
+use super::settings::Settings;
+use super::sides::{Fitted, Model, Weights};
+use super::term::{Name, Sign, Term};
+use super::weak_form::WeakForm;
+
+/// Gains of one side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gain {
+    /// ½·ln(RSS₀/RSS₁) over all rows, held out, nats.
+    pub flat: f64,
+    /// The same with every row weighted by the effect's own energy.
+    pub local: f64,
+    /// z over blocks, the larger of both.
+    pub z: f64,
+}
+
+/// Why a term is no name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rejection {
+    /// It gains too little, or not significantly, on a side.
+    Gain,
+    /// The inertia is not positive with it.
+    Inertia,
+    /// The viscous coefficient or the Coulomb friction is negative with it.
+    Base,
+    /// The drive determines less of the acceleration than without it, or too little.
+    Coherence,
+    /// The sides do not say the same force.
+    Disagreement(f64),
+    /// Its amplitude has the wrong sign, or is not that of the whole effect.
+    Amplitude,
+    /// A fit without the motion is as good.
+    Floor,
+}
+
+/// The gains that a name needs in these recordings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// Over all rows, nats.
+    pub flat: f64,
+    /// Where the effect acts, nats.
+    pub local: f64,
+}
+
+/// What speaks for a term beside a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence {
+    /// Side U.
+    pub u: Gain,
+    /// Side A.
+    pub a: Gain,
+    /// ‖F_U − F_A‖/‖F_U‖; 0 where side A has no force of its own.
+    pub disagreement: f64,
+    /// ρ² with the term.
+    pub coherence: f64,
+    /// Why it is no name; `None` if nothing speaks against it but its rivals.
+    pub rejection: Option<Rejection>,
+}
+
+impl Evidence {
+    /// The smaller gain of the two sides.
+    pub fn gain(&self) -> f64 {
+        self.u.flat.min(self.a.flat)
+    }
+    /// The smaller local gain.
+    pub fn local(&self) -> f64 {
+        self.u.local.min(self.a.local)
+    }
+    /// The smaller z.
+    pub fn z(&self) -> f64 {
+        self.u.z.min(self.a.z)
+    }
+}
+
+/// Largest difference of the two sides' gains of a second body, as a share of the larger.
+const BODY_GAINS: f64 = 0.7;
+
+/// Weighs the `index`-th term of a model: `before` is fitted without it, `after` with it.
+pub fn weigh(
+    form: &WeakForm<'_>,
+    weights: &Weights,
+    before: &Fitted,
+    after: &Fitted,
+    (model, index): (&Model, usize),
+    bar: &Bar,
+    settings: &Settings,
+) -> Evidence {
+    let term = &model.terms[index];
+    let (lag_u, own_u) = own_force(before, after, term, index, true);
+    let (_, own_a) = own_force(before, after, term, index, false);
+    let u = gain(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u);
+    let a = gain(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a);
+    let difference: Vec<f64> = own_u.iter().zip(&own_a).map(|(u, a)| u - a).collect();
+    // Of a second body side A has no force of its own: its gain is to be like side U's.
+    let disagreement = if term.body.is_some() {
+        (1.0 - u.flat.min(a.flat) / u.flat.max(a.flat).max(f64::MIN_POSITIVE)) * settings.disagreement / BODY_GAINS
+    } else {
+        rms(&difference) / rms(&own_u).max(f64::MIN_POSITIVE)
+    };
+    let mut evidence = Evidence { u, a, disagreement, coherence: after.coherence(), rejection: None };
+    evidence.rejection = rejection(form, before, after, (term, index), &evidence, bar, settings);
+    evidence
+}
+
+/// Force of the last term in every window in drive units, and by how much its arrival shrinks the target.
+fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: bool) -> (f64, Vec<f64>) {
+    let (b, a) = if of_u { (&before.u, &after.u) } else { (&before.a, &after.a) };
+    let inertia = if of_u { 1.0 } else { after.a.b };
+    if term.drive.is_some() || term.body.is_some() || term.replaces_direction {
+        // What the model says with the term less what it says without it.
+        let said = |side: &super::sides::Side, i: usize| side.target[i] - side.residual[i];
+        let shrink = if of_u { rms(&a.target) / rms(&b.target) } else { 1.0 };
+        let moved = (0..a.target.len()).map(|i| inertia * (said(a, i) - said(b, i)));
+        return (shrink, moved.collect());
+    }
+    (1.0, a.forces[index].clone())
+}
+
+fn gain(form: &WeakForm<'_>, weights: &[f64], (before, shrink): (&[f64], f64), after: &[f64], own: &[f64]) -> Gain {
+    let n = weights.len();
+    let (mut flat, mut local) = (vec![[0.0; 2]; form.blocks], vec![[0.0; 2]; form.blocks]);
+    let energy = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / n as f64;
+    for (i, row) in form.rows.iter().enumerate() {
+        let (r0, r1) = ((weights[i] * before[i] * shrink).powi(2), (weights[i] * after[i]).powi(2));
+        let e = (own[i] * weights[i]).powi(2) / energy.max(f64::MIN_POSITIVE);
+        flat[row.block][0] += r0;
+        flat[row.block][1] += r1;
+        local[row.block][0] += e * r0;
+        local[row.block][1] += e * r1;
+    }
+    let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
+    let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
+    Gain { flat: nats(&flat), local: nats(&local), z: z(&flat).max(z(&local)) }
+}
+
+/// z of the blocks' gains.
+fn z(blocks: &[[f64; 2]]) -> f64 {
+    let gains: Vec<f64> = blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect();
+    let n = gains.len() as f64;
+    if n < 4.0 {
+        return 0.0;
+    }
+    let mean = gains.iter().sum::<f64>() / n;
+    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
+}
+
+fn rejection(
+    form: &WeakForm<'_>,
+    before: &Fitted,
+    after: &Fitted,
+    (term, index): (&Term, usize),
+    evidence: &Evidence,
+    bar: &Bar,
+    settings: &Settings,
+) -> Option<Rejection> {
+    let scale = rms(&after.u.target);
+    let little = -0.01 * scale;
+    for side in [&after.u, &after.a] {
+        let [c_error, f1_error] = side.base_errors.map(|e| 3.0 * e);
+        if !(side.b > 0.0 && side.b.is_finite()) {
+            return Some(Rejection::Inertia);
+        }
+        let physical = (side.c + c_error) * form.v95 >= little && side.f1 + f1_error >= little;
+        if !physical {
+            return Some(Rejection::Base);
+        }
+    }
+    if amplitude_is_wrong(after, term, index) {
+        return Some(Rejection::Amplitude);
+    }
+    let coherence = evidence.coherence;
+    let fell = coherence < before.coherence().min(0.99) - 1e-3;
+    if fell || coherence < settings.coherence && term.holds_drive {
+        return Some(Rejection::Coherence);
+    }
+    // A force of the motion alone needs no inertia to be told from it.
+    let lone_motion = evidence.u.flat.min(evidence.u.local) >= 0.5
+        && evidence.a.flat.max(evidence.a.local) >= 0.1
+        && evidence.disagreement < 0.25;
+    if coherence < settings.coherence && !lone_motion {
+        return Some(Rejection::Coherence);
+    }
+    if evidence.disagreement >= settings.disagreement && term.drive.is_none() && !term.replaces_direction {
+        return Some(Rejection::Disagreement(evidence.disagreement));
+    }
+    let local = if lone_motion { evidence.u.local } else { evidence.local() };
+    let z = if lone_motion { evidence.u.z.min(evidence.a.z + 1.0) } else { evidence.z() };
+    let enough = local >= bar.local && evidence.gain() >= bar.flat && z >= settings.z;
+    if !enough {
+        return Some(Rejection::Gain);
+    }
+    (floor_ratio(form, after) >= 0.5).then_some(Rejection::Floor)
+}
+
+fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
+    let Some(u) = after.u.amplitudes[index].first() else { return false };
+    let a = after.a.amplitudes[index].first().unwrap_or(u);
+    let within = |value: f64| match term.sign {
+        Sign::Any => true,
+        Sign::Positive => value > 0.0,
+    };
+    let too_large = term.name == Name::Effect(breakaway_core::plant::Kind::LoadFriction) && *u >= 1.0;
+    !within(*u) || !within(*a) || too_large
+}
+
+/// Residual energy of side U over that of a fit without the motion: a mean and a direction.
+pub fn floor_ratio(form: &WeakForm<'_>, fitted: &Fitted) -> f64 {
+    let direction = form.means(&form.direction);
+    let u = &fitted.u.target;
+    let n = u.len() as f64;
+    let (su, sd) = (u.iter().sum::<f64>() / n, direction.iter().sum::<f64>() / n);
+    let (mut cross, mut square, mut total) = (0.0, 0.0, 0.0);
+    for (u, d) in u.iter().zip(&direction) {
+        cross += (u - su) * (d - sd);
+        square += (d - sd).powi(2);
+        total += (u - su).powi(2);
+    }
+    let left = total - if square > 0.0 { cross * cross / square } else { 0.0 };
+    fitted.u.residual.iter().map(|r| r * r).sum::<f64>() / left.max(f64::MIN_POSITIVE)
+}

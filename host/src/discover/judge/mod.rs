@@ -1,0 +1,14 @@
+//! The two-sided force judge: which effect is missing, from the measured forces, before anything is simulated.
+
+pub mod dataset;
+pub mod evidence;
+pub mod library;
+pub mod regression;
+pub mod ruling;
+pub mod search;
+pub mod settings;
+pub mod sides;
+pub mod start;
+pub mod term;
+pub mod wave_numbers;
+pub mod weak_form;

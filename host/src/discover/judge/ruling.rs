@@ -1,0 +1,237 @@
+//! The judge's ruling over windows of several widths.
+
+use breakaway_core::plant::{Base, Effect, Kind};
+
+use super::dataset::Dataset;
+use super::evidence::Rejection;
+use super::regression::rms;
+use super::search::{Judged, Outcome, Tried, judge};
+use super::settings::Settings;
+use super::start;
+use super::term::Name;
+use super::weak_form::WeakForm;
+use crate::recording::Recording;
+
+/// An effect that is named from the measured forces.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The effect with the parameters of the force fit.
+    pub effect: Effect<f64>,
+    /// Indices of the parameters that are held.
+    pub held: Vec<usize>,
+    /// Effects that these recordings do not tell from it, and by how many standard deviations it is better.
+    pub tied: Vec<(Kind, f64)>,
+    /// Gain of the side that gains less, nats, and its z over blocks.
+    pub gain: f64,
+    /// See `gain`.
+    pub z: f64,
+}
+
+/// A candidate of the first round.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidacy {
+    /// Which effect.
+    pub kind: Kind,
+    /// Gain of the side that gains less, nats.
+    pub gain: f64,
+    /// Its z over blocks.
+    pub z: f64,
+    /// Why it is no name; `None` if it holds.
+    pub rejection: Option<Rejection>,
+}
+
+/// What the force that no effect explains looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remainder {
+    /// What predicts a part of it on held-out data; `None` if nothing does.
+    pub predictable: Option<Name>,
+    /// Its rms, drive units, in windows so wide that the sensor's noise does not count.
+    pub rms_u: f64,
+    /// The same over the rms of the drive.
+    pub share: f64,
+    /// Highest frequency that these windows let pass, Hz.
+    pub bandwidth_hz: f64,
+    /// The rms over what the sensor's noise makes of it.
+    pub over_noise: f64,
+}
+
+/// What the judge says.
+#[derive(Clone, Debug)]
+pub struct Ruling {
+    /// Base parameters of the force fit.
+    pub base: Base<f64>,
+    /// Names in the order in which they were found.
+    pub findings: Vec<Finding>,
+    /// The first round of the windows that named, or of the narrowest.
+    pub candidates: Vec<Candidacy>,
+    /// Held-out residual of side U over the rms of the drive: base, and final model.
+    pub residual_u: [f64; 2],
+    /// The same of side A, over the rms of the acceleration.
+    pub residual_a: [f64; 2],
+    /// ρ²: share of the acceleration that the drive determines.
+    pub coherence: f64,
+    /// Residual of the base over what the sensor's noise makes, in the narrowest windows.
+    pub base_over_noise: f64,
+    /// Half-width of the windows that named, s.
+    pub half_width_s: f64,
+    /// What is left.
+    pub remainder: Remainder,
+}
+
+/// Largest residual of the base over the sensor's noise, in the narrowest windows, of a machine on which the simulated motion is asked
+/// for small effects: on a rough one what is left is not the sensor's.
+const QUIET: f64 = 4.0;
+/// Remainder over the sensor's noise in wide windows from which something else than the sensor is left.
+const LEFT: f64 = 3.0;
+/// Share of the drive that may be left, at random, where nothing is missing, and least ρ² that tells it.
+const NOTHING: f64 = 0.05;
+const COHERENT: f64 = 0.3;
+
+impl Ruling {
+    /// Whether the simulated motion may tell more: the sensor is the most of what the base leaves in the narrowest windows, and
+    /// what is left in wide ones is the sensor's too or predictable.
+    pub fn quiet(&self) -> bool {
+        let random = self.remainder.predictable.is_none() && self.remainder.over_noise > LEFT;
+        self.base_over_noise < QUIET && !random
+    }
+    /// Whether the inertia of the force fit means something.
+    pub fn tells_inertia(&self) -> bool {
+        self.base.b > 0.0 && self.coherence >= COHERENT
+    }
+    /// Whether what is left is so little that nothing is missing.
+    pub fn tells_nothing_is_missing(&self) -> bool {
+        self.coherence >= COHERENT && self.remainder.share < NOTHING
+    }
+    /// The ruling beside effects that are known already: none of them is named again.
+    #[must_use]
+    pub fn beside(mut self, known: &[Effect<f64>]) -> Self {
+        self.findings.retain(|finding| !known.iter().any(|effect| effect.kind == finding.effect.kind));
+        self
+    }
+}
+
+/// Multiples of the narrowest width: up to the first every width is tried, then one that is as wide as the second; a ripple is sought
+/// in the former only.
+const NARROW: f64 = 2.0;
+const WIDE: f64 = 4.0;
+
+/// Rules over `recordings`, whose position unit has so many radians; `None` where they hold no motion.
+pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {
+    let dataset = Dataset::new(recordings, settings);
+    let narrowest = narrowest(&dataset, settings)?;
+    let mut judged: Vec<(WeakForm<'_>, Judged)> = Vec::new();
+    for width in widths(narrowest, settings) {
+        let Some(mut form) = WeakForm::new(&dataset, width, settings) else { continue };
+        form.radians = radians;
+        form.ripples = width <= NARROW * narrowest;
+        let Some(own) = judge(&form, settings) else { continue };
+        let named = !own.model.terms.is_empty();
+        judged.push((form, own));
+        if named {
+            break;
+        }
+    }
+    let named = judged.iter().position(|(_, j)| !j.model.terms.is_empty());
+    let (form, own) = judged.get(named.unwrap_or(0))?;
+    let predictable = judged.iter().filter(|_| named.is_none()).chain(named.and_then(|i| judged.get(i)));
+    let predictable = predictable.filter_map(|(_, j)| match j.rounds.last()?.outcome {
+        Outcome::Unknown(name) => Some(name),
+        _ => None,
+    });
+    let base_noise = {
+        let (form, own) = judged.first()?;
+        own.residual[0][0] * rms(&form.row_u) / (own.fitted.u.b.abs() * form.noise_a).max(f64::MIN_POSITIVE)
+    };
+    Some(Ruling {
+        base: Base { b: own.fitted.u.b, c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
+        findings: findings(form, own),
+        candidates: own
+            .rounds
+            .first()
+            .map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
+        residual_u: [own.residual[0][0], own.residual[1][0]],
+        residual_a: [own.residual[0][1], own.residual[1][1]],
+        coherence: own.fitted.coherence(),
+        base_over_noise: base_noise,
+        half_width_s: form.half_width_s,
+        remainder: remainder(&dataset, own, narrowest, predictable.last(), settings)
+            .or_else(|| remainder_of(form, own, None))?,
+    })
+}
+
+/// The widths that are tried, from the narrowest.
+fn widths(narrowest: f64, settings: &Settings) -> Vec<f64> {
+    let all = settings.half_widths_s.iter().copied();
+    let wide = all.clone().find(|width| *width >= WIDE * narrowest);
+    all.filter(|width| (narrowest..=NARROW * narrowest).contains(width)).chain(wide).collect()
+}
+
+/// The narrowest windows that the sensor's noise allows.
+fn narrowest(dataset: &Dataset, settings: &Settings) -> Option<f64> {
+    let mut last = None;
+    for width in settings.half_widths_s {
+        let resolved = dataset.pieces.iter().any(|p| width >= settings.least_half_samples as f64 * p.h_s);
+        let Some(form) = resolved.then(|| WeakForm::new(dataset, width, settings)).flatten() else { continue };
+        last = Some(width);
+        if form.noise_share() < settings.noise_share {
+            break;
+        }
+    }
+    last
+}
+
+fn candidacy(tried: &Tried) -> Option<Candidacy> {
+    let [term] = tried.terms.as_slice() else { return None };
+    let Name::Effect(kind) = term.name else { return None };
+    Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
+}
+
+fn findings(form: &WeakForm<'_>, own: &Judged) -> Vec<Finding> {
+    let mut index = 0;
+    let mut findings = Vec::new();
+    for round in &own.rounds {
+        let Outcome::Named(names, tied) = &round.outcome else { continue };
+        let Some(tried) = round.tried.iter().find(|t| t.names() == *names) else { continue };
+        for (term, evidence) in tried.terms.iter().zip(&tried.evidence) {
+            if let Some((effect, held)) = start::effect(form, &own.fitted.u, term, index) {
+                let tied = tied.iter().filter_map(|name| {
+                    let Name::Effect(kind) = name else { return None };
+                    let rival = round.tried.iter().find(|t| t.names() == [*name])?;
+                    Some((*kind, tried.better_than(rival)))
+                });
+                findings.push(Finding { effect, held, tied: tied.collect(), gain: evidence.gain(), z: evidence.z() });
+            }
+            index += 1;
+        }
+    }
+    findings
+}
+
+/// What is left in windows so wide that the sensor's noise does not count.
+fn remainder(
+    dataset: &Dataset,
+    own: &Judged,
+    narrowest: f64,
+    predictable: Option<Name>,
+    settings: &Settings,
+) -> Option<Remainder> {
+    let wide = settings.half_widths_s.iter().copied().find(|width| *width >= WIDE * narrowest)?;
+    let form = WeakForm::new(dataset, wide, settings)?;
+    let fitted = own.model.refitted(&form, settings)?;
+    let own = Judged { fitted, ..own.clone() };
+    remainder_of(&form, &own, predictable)
+}
+
+fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) -> Option<Remainder> {
+    let left = rms(&own.fitted.u.residual);
+    let share = left / rms(&form.row_u);
+    let noise = own.fitted.u.b.abs() * form.noise_a;
+    share.is_finite().then_some(Remainder {
+        predictable,
+        rms_u: left,
+        share,
+        // The transform of (1 − s²)³ falls to a half at 2.4 radians in a half-width.
+        bandwidth_hz: 2.4 / (std::f64::consts::TAU * form.half_width_s),
+        over_noise: left / noise.max(f64::MIN_POSITIVE),
+    })
+}

@@ -1,0 +1,322 @@
+//! The judge's search: effects are added as long as one, or two that only show together, hold on both sides and are the best of
+//! their rivals; what no longer holds beside a later one is dropped.
+
+use rayon::prelude::*;
+
+use super::evidence::{Bar, Evidence, Rejection, weigh};
+use super::library::Library;
+use super::regression::rms;
+use super::settings::Settings;
+use super::sides::{Fitted, Model, Weights};
+use super::term::{Name, Term};
+use super::weak_form::WeakForm;
+
+/// Terms, or pairs of them, that were tried beside a model.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The new terms: one, or two.
+    pub terms: Vec<Term>,
+    /// What speaks for each of them beside all others.
+    pub evidence: Vec<Evidence>,
+    /// The smaller gain of the two sides over the model without any of them, nats.
+    pub gain: f64,
+    /// Sum of the squares that it leaves in every block, on side U and on side A.
+    pub blocks: [Vec<f64>; 2],
+}
+
+impl Tried {
+    /// Why it is no name; `None` if every term holds.
+    pub fn rejection(&self) -> Option<Rejection> {
+        self.evidence.iter().find_map(|e| e.rejection)
+    }
+    /// Amplitudes and parameters.
+    fn size(&self) -> usize {
+        self.terms.iter().map(|t| t.size).sum()
+    }
+    /// How much better it is than another, in standard deviations over blocks, on the side that tells less (Vuong's test).
+    pub fn better_than(&self, other: &Self) -> f64 {
+        let of_side = |side: usize| {
+            let gains: Vec<f64> =
+                other.blocks[side].iter().zip(&self.blocks[side]).map(|(theirs, own)| theirs - own).collect();
+            let n = gains.len().max(2) as f64;
+            let mean = gains.iter().sum::<f64>() / n;
+            let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
+        };
+        of_side(0).min(of_side(1))
+    }
+    /// The names.
+    pub fn names(&self) -> Vec<Name> {
+        self.terms.iter().map(|t| t.name).collect()
+    }
+}
+
+/// One round: what was tried, the best first, and what it came to.
+#[derive(Clone, Debug)]
+pub struct Round {
+    /// The best of every name, in order of the smaller gain.
+    pub tried: Vec<Tried>,
+    /// What it came to.
+    pub outcome: Outcome,
+}
+
+/// What a round comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Names, and those that are tied with them.
+    Named(Vec<Name>, Vec<Name>),
+    /// Something gains that is no name, or not consistent: which.
+    Unknown(Name),
+    /// Nothing gains.
+    Nothing,
+}
+
+/// What the judge found.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Half-width of the windows, s.
+    pub half_width_s: f64,
+    /// The rounds.
+    pub rounds: Vec<Round>,
+    /// The final model.
+    pub model: Model,
+    /// Residual of the base and of the final model over the rms of the drive (side U) and of the acceleration (side A).
+    pub residual: [[f64; 2]; 2],
+    /// The final model's fit.
+    pub fitted: Fitted,
+}
+
+/// A model that is fitted with the weights of its own residual.
+struct Stage<'a> {
+    form: &'a WeakForm<'a>,
+    settings: &'a Settings,
+    model: Model,
+    fitted: Fitted,
+    weights: Weights,
+}
+
+/// Judges.
+pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
+    let mut stage = Stage::new(form, settings, Model::default(), Weights::equal(form))?;
+    let mut rounds = Vec::new();
+    let share = |f: &Fitted| [rms(&f.u.residual) / rms(&form.row_u), rms(&f.a.residual) / rms(&form.row_a)];
+    let first = share(&stage.fitted);
+    while stage.model.terms.len() < settings.most_names {
+        let round = stage.round();
+        let named = match &round.outcome {
+            Outcome::Named(names, _) => round.tried.iter().find(|t| t.names() == *names).map(|t| t.terms.clone()),
+            _ => None,
+        };
+        rounds.push(round);
+        let Some(terms) = named else { break };
+        let model = terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
+        stage = Stage::new(form, settings, model, stage.weights)?;
+    }
+    let last = share(&stage.fitted);
+    Some(Judged {
+        half_width_s: form.half_width_s,
+        rounds,
+        model: stage.model,
+        residual: [first, last],
+        fitted: stage.fitted,
+    })
+}
+
+impl<'a> Stage<'a> {
+    fn new(form: &'a WeakForm<'a>, settings: &'a Settings, model: Model, weights: Weights) -> Option<Self> {
+        let first = model.fit(form, &weights, settings)?;
+        let weights = Weights::of(form, &first);
+        let fitted = model.fit(form, &weights, settings)?;
+        Some(Self { form, settings, model, fitted, weights })
+    }
+
+    fn fit(&self, model: &Model) -> Option<Fitted> {
+        model.fit(self.form, &self.weights, self.settings)
+    }
+
+    /// Gains of new terms beside the model, and what speaks for each beside the others.
+    fn weighed(&self, terms: Vec<Term>, bar: &Bar) -> Option<Tried> {
+        let model = terms.iter().fold(self.model.clone(), |model, term| model.with(term));
+        let after = self.fit(&model)?;
+        let known = self.model.terms.len();
+        let mut evidence = Vec::new();
+        for i in 0..terms.len() {
+            let others = Model {
+                terms: model
+                    .terms
+                    .iter()
+                    .enumerate()
+                    .filter(|(j, _)| *j != known + i)
+                    .map(|(_, t)| t.clone())
+                    .collect(),
+            };
+            let before = if terms.len() == 1 { self.fitted.clone() } else { self.fit(&others)? };
+            evidence.push(weigh(self.form, &self.weights, &before, &after, (&model, known + i), bar, self.settings));
+        }
+        let gain = if terms.len() == 1 {
+            evidence[0].gain()
+        } else {
+            let nats = |before: &[f64], after: &[f64], weights: &[f64]| {
+                let square = |r: &[f64]| r.iter().zip(weights).map(|(r, w)| (r * w).powi(2)).sum::<f64>();
+                0.5 * (square(before) / square(after).max(f64::MIN_POSITIVE)).ln()
+            };
+            nats(&self.fitted.u.residual, &after.u.residual, &self.weights.u).min(nats(
+                &self.fitted.a.residual,
+                &after.a.residual,
+                &self.weights.a,
+            ))
+        };
+        let blocks = |residual: &[f64], weights: &[f64]| {
+            let mut sums = vec![0.0; self.form.blocks];
+            for ((row, r), w) in self.form.rows.iter().zip(residual).zip(weights) {
+                sums[row.block] += (r * w).powi(2);
+            }
+            sums
+        };
+        let blocks = [blocks(&after.u.residual, &self.weights.u), blocks(&after.a.residual, &self.weights.a)];
+        gain.is_finite().then_some(Tried { terms, evidence, gain, blocks })
+    }
+
+    /// Every term of the library alone.
+    fn singles(&self) -> (Vec<Tried>, Bar) {
+        let terms = Library::new(self.form, &self.model, &self.fitted, &self.weights).terms();
+        let open = Bar { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
+        let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(vec![term], &open)).collect();
+        let bar = self.bar(&all);
+        for tried in &mut all {
+            let e = &mut tried.evidence[0];
+            if e.rejection.is_none() && (e.gain() < bar.flat || e.u.local < bar.local) {
+                e.rejection = Some(Rejection::Gain);
+            }
+        }
+        (best_of_each(all), bar)
+    }
+
+    /// What a name must gain here: more than decoys do, which gain by what this machine leaves unexplained.
+    fn bar(&self, all: &[Tried]) -> Bar {
+        let [rough, quiet] = self.settings.gain;
+        let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base));
+        let decoys = all.iter().filter(|t| matches!(t.terms[0].name, Name::Decoy(_))).filter(possible);
+        let most = decoys.map(|t| t.gain).fold(0.0, f64::max);
+        let flat = (self.settings.over_decoys * most).clamp(quiet, rough);
+        let share = ((flat - quiet) / (rough - quiet)).clamp(0.0, 1.0);
+        let [rough, quiet] = self.settings.local_gain;
+        Bar { flat, local: quiet + share * (rough - quiet) }
+    }
+
+    /// Pairs whose first is what gains most without holding alone.
+    fn pairs(&self, singles: &[Tried], bar: &Bar) -> Vec<Tried> {
+        let mut first: Vec<&Tried> = singles
+            .iter()
+            .filter(|t| t.rejection() != Some(Rejection::Inertia))
+            .filter(|t| {
+                matches!(t.terms[0].name, Name::Effect(_)) && t.evidence[0].u.flat.max(t.evidence[0].a.flat) > PAIR_GAIN
+            })
+            .collect();
+        first.sort_by(|x, y| score(y).total_cmp(&score(x)));
+        first.truncate(PAIR_FIRSTS);
+        let mut all = Vec::new();
+        for one in first {
+            let beside = self.model.with(&one.terms[0]);
+            let Some(fitted) = self.fit(&beside) else { continue };
+            let terms = Library::new(self.form, &beside, &fitted, &self.weights).partners();
+            let pairs =
+                terms.into_par_iter().filter(|t| matches!(t.name, Name::Effect(_)) && t.name != one.terms[0].name);
+            all.extend(
+                pairs.filter_map(|term| self.weighed(vec![one.terms[0].clone(), term], bar)).collect::<Vec<_>>(),
+            );
+        }
+        best_of_each(all)
+    }
+
+    fn round(&self) -> Round {
+        let (mut tried, bar) = self.singles();
+        let mut outcome = decide(&tried, self.settings);
+        if !matches!(outcome, Outcome::Named(..)) || inconsistent_rival(&tried, self.settings) {
+            let pairs = self.pairs(&tried, &bar);
+            tried.extend(pairs);
+            tried.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
+            outcome = decide(&tried, self.settings);
+        }
+        Round { tried, outcome }
+    }
+}
+
+/// Gain on a side from which a term is worth a partner, and terms that are given one.
+const PAIR_GAIN: f64 = 0.05;
+const PAIR_FIRSTS: usize = 6;
+
+fn score(tried: &Tried) -> f64 {
+    tried.evidence[0].u.flat.max(0.0) + tried.evidence[0].a.flat.max(0.0)
+}
+
+/// Whether something that does not hold alone gains more than all that do.
+fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
+    let holds = tried.iter().filter(|t| t.rejection().is_none()).map(|t| t.gain).fold(0.0, f64::max);
+    let possible = tried.iter().filter(|t| !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base)));
+    possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
+}
+
+fn best_of_each(mut all: Vec<Tried>) -> Vec<Tried> {
+    all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
+    let mut best: Vec<Tried> = Vec::new();
+    for one in all {
+        if !best.iter().any(|t| t.names() == one.names()) {
+            best.push(one);
+        }
+    }
+    best
+}
+
+/// Consistent ones before the others; within those, the smaller gain.
+fn rank(tried: &Tried) -> f64 {
+    if tried.gain.is_finite() {
+        tried.gain + if tried.rejection().is_none() { 10.0 } else { 0.0 }
+    } else {
+        f64::NEG_INFINITY
+    }
+}
+
+fn decide(tried: &[Tried], settings: &Settings) -> Outcome {
+    let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
+    let names: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
+    let strongest = |tried: &[Tried]| {
+        let seen = tried
+            .iter()
+            .filter(|t| t.terms.len() == 1 && t.evidence[0].u.flat > 0.05 && t.evidence[0].u.z >= settings.z);
+        seen.max_by(|a, b| a.evidence[0].u.flat.total_cmp(&b.evidence[0].u.flat)).map(|t| t.terms[0].name)
+    };
+    let Some(best) = names.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
+        return strongest(tried).map_or(Outcome::Nothing, Outcome::Unknown);
+    };
+    // Fewer parameters where that costs next to nothing.
+    let simple = names.iter().filter(|t| t.gain > 0.97 * best.gain).min_by_key(|t| t.size()).unwrap_or(best);
+    for other in tried.iter().filter(|t| t.terms.len() == 1) {
+        let factor = match other.terms[0].name {
+            Name::Decoy(_) => settings.decoy,
+            Name::Effect(_) if other.rejection().is_some() => settings.rival,
+            Name::Effect(_) => continue,
+        };
+        // What is inconsistent alone and part of the pair that is named speaks for the pair.
+        let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
+        let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
+        if possible && other.gain * factor > best.gain && other.evidence[0].z() >= settings.z && !part {
+            return Outcome::Unknown(other.terms[0].name);
+        }
+    }
+    // A rival that does as well on both sides is tied, also where it misses a bar by little.
+    let near = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+    let as_well = |t: &&Tried| {
+        t.terms.len() == simple.terms.len()
+            && t.gain > settings.tie * simple.gain
+            && simple.better_than(t) < settings.tie_z
+    };
+    let tied = tried.iter().filter(is_effect).filter(near).filter(as_well).filter(|t| t.size() <= simple.size());
+    let mut names: Vec<Name> = Vec::new();
+    for name in tied.flat_map(|t| t.names()).filter(|n| !simple.names().contains(n)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    Outcome::Named(simple.names(), names)
+}

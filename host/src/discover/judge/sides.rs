@@ -1,0 +1,292 @@
+//! The two regressions: the drive on the motion (U), which noise in the acceleration biases, and the acceleration on the drive (A),
+//! which noise in the drive biases. A physical effect improves both, and both say the same force.
+
+use super::regression::{Design, Fit, rms};
+use super::settings::Settings;
+use super::term::{Arrival, Column, Term};
+use super::weak_form::{Field, WeakForm};
+
+/// A model: the base and its terms.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Terms in the order in which they were added.
+    pub terms: Vec<Term>,
+}
+
+/// One side of a fitted model.
+#[derive(Clone, Debug)]
+pub struct Side {
+    /// Inertia b, drive units · s² / position unit.
+    pub b: f64,
+    /// Viscous coefficient c.
+    pub c: f64,
+    /// Coulomb friction f1; the first amplitude of the term that takes its place.
+    pub f1: f64,
+    /// Standard errors of c and f1.
+    pub base_errors: [f64; 2],
+    /// Amplitudes of the terms, in drive units and in order.
+    pub amplitudes: Vec<Vec<f64>>,
+    /// Their standard errors.
+    pub errors: Vec<Vec<f64>>,
+    /// Force of every term in every window, drive units.
+    pub forces: Vec<Vec<f64>>,
+    /// Held-out residual in every window, in the unit of the side's target.
+    pub residual: Vec<f64>,
+    /// The target.
+    pub target: Vec<f64>,
+}
+
+/// Both sides of a fitted model.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The drive from the motion.
+    pub u: Side,
+    /// The motion from the drive.
+    pub a: Side,
+}
+
+impl Fitted {
+    /// ρ²: how much of the acceleration the drive determines.
+    pub fn coherence(&self) -> f64 {
+        self.u.b / self.a.b
+    }
+}
+
+/// Weights of the windows on either side.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    /// Of the drive's residual.
+    pub u: Vec<f64>,
+    /// Of the acceleration's.
+    pub a: Vec<f64>,
+}
+
+impl Weights {
+    /// Equal ones.
+    pub fn equal(form: &WeakForm<'_>) -> Self {
+        Self { u: vec![1.0; form.rows.len()], a: vec![1.0; form.rows.len()] }
+    }
+
+    /// The inverse rms residual in classes of the speed, a factor of two wide: jitter and ripple grow with speed.
+    pub fn of(form: &WeakForm<'_>, fitted: &Fitted) -> Self {
+        let of_side = |residual: &[f64]| {
+            let class = |v: f64| (v.abs() / form.v95).max(1e-6).log2().floor() as i32;
+            let overall = rms(residual).max(f64::MIN_POSITIVE);
+            let mut sums: std::collections::BTreeMap<i32, (f64, f64)> = std::collections::BTreeMap::new();
+            for (r, v) in residual.iter().zip(&form.row_v) {
+                let sum = sums.entry(class(*v)).or_default();
+                sum.0 += r * r;
+                sum.1 += 1.0;
+            }
+            let each = form.row_v.iter().map(|v| {
+                let (square, count) = sums[&class(*v)];
+                // A class of few windows is drawn to the rms of all.
+                1.0 / ((square + 20.0 * overall * overall * 1e-2) / (count + 0.2)).sqrt().max(1e-3 * overall)
+            });
+            each.collect()
+        };
+        Self { u: of_side(&fitted.u.residual), a: of_side(&fitted.a.residual) }
+    }
+}
+
+impl Model {
+    /// The model with one more term.
+    pub fn with(&self, term: &Term) -> Self {
+        let mut terms = self.terms.clone();
+        terms.push(term.clone());
+        Self { terms }
+    }
+
+    /// Whether a term takes the place of the Coulomb friction.
+    fn replaced(&self) -> bool {
+        self.terms.iter().any(|term| term.replaces_direction)
+    }
+
+    /// The drive as it arrives, at every sample.
+    pub fn arrived(&self, form: &WeakForm<'_>) -> Field {
+        let mut drive: Field = form.dataset.pieces.iter().map(|p| p.u.clone()).collect();
+        for arrival in self.terms.iter().filter_map(|term| term.drive) {
+            for ((u, v), piece) in drive.iter_mut().zip(&form.v).zip(&form.dataset.pieces) {
+                *u = arrive(u, v, piece.h_s, arrival);
+            }
+        }
+        drive
+    }
+
+    /// Fits both sides; `None` where one of them cannot be.
+    pub fn fit(&self, form: &WeakForm<'_>, weights: &Weights, settings: &Settings) -> Option<Fitted> {
+        let u = self.fit_u(form, &weights.u, settings)?;
+        let a = self.fit_a(form, &weights.a, &u, settings)?;
+        Some(Fitted { u, a })
+    }
+
+    /// Fits it in windows of another width, rows weighted alike; second bodies and ripples stay as they are.
+    pub fn refitted(&self, form: &WeakForm<'_>, settings: &Settings) -> Option<Fitted> {
+        self.fit(form, &Weights::equal(form), settings)
+    }
+
+    fn fit_u(&self, form: &WeakForm<'_>, weights: &[f64], settings: &Settings) -> Option<Side> {
+        let target = if self.terms.iter().any(|t| t.drive.is_some()) {
+            form.means(&self.arrived(form))
+        } else {
+            form.row_u.clone()
+        };
+        let mut columns = vec![form.row_a.clone(), form.row_v.clone()];
+        if !self.replaced() {
+            columns.push(form.means(&form.direction));
+        }
+        for column in self.terms.iter().flat_map(|term| &term.u) {
+            columns.push(rows(form, column, None));
+        }
+        let design = Design { target, columns };
+        let fit = design.fit(form, weights, settings.folds)?;
+        let b = fit.coefficients[0];
+        Some(self.side(b, 1.0, &design, &fit, |term| term.u.len()))
+    }
+
+    fn fit_a(&self, form: &WeakForm<'_>, weights: &[f64], u: &Side, settings: &Settings) -> Option<Side> {
+        let body = self.terms.iter().zip(&u.amplitudes).find_map(|(term, amplitudes)| {
+            let [omega, zeta] = term.body?;
+            Some([omega, zeta, amplitudes.first()? / u.b])
+        });
+        let drive = self.arrived(form);
+        let mut columns = vec![rows(form, &Column::Force(drive), body)];
+        columns.push(body.map_or_else(|| form.row_v.clone(), |_| rows(form, &Column::Force(form.v.clone()), body)));
+        if !self.replaced() {
+            columns.push(rows(form, &Column::Force(form.direction.clone()), body));
+        }
+        for term in self.terms.iter().filter(|term| term.body.is_none()) {
+            let own = if term.a.is_empty() { &term.u } else { &term.a };
+            columns.extend(own.iter().map(|column| rows(form, column, body)));
+        }
+        let design = Design { target: form.row_a.clone(), columns };
+        let fit = design.fit(form, weights, settings.folds)?;
+        let b = 1.0 / fit.coefficients[0];
+        let count = |term: &Term| if term.body.is_some() { 0 } else { term.u.len() };
+        Some(self.side(b, -b, &design, &fit, count))
+    }
+
+    /// Coefficients as forces: `factor` makes drive units of them, the sign of side U.
+    fn side(&self, b: f64, factor: f64, design: &Design, fit: &Fit, count: impl Fn(&Term) -> usize) -> Side {
+        let known = if self.replaced() { 2 } else { 3 };
+        let (mut amplitudes, mut errors, mut forces) = (Vec::new(), Vec::new(), Vec::new());
+        let mut at = known;
+        for term in &self.terms {
+            let range = at..at + count(term);
+            let own: Vec<f64> = fit.coefficients[range.clone()].iter().map(|c| c * factor).collect();
+            errors.push(fit.standard_errors[range.clone()].iter().map(|s| s * factor.abs()).collect());
+            let mut force = vec![0.0; design.target.len()];
+            for (amplitude, column) in own.iter().zip(&design.columns[range.clone()]) {
+                for (force, g) in force.iter_mut().zip(column) {
+                    *force += amplitude * g;
+                }
+            }
+            amplitudes.push(own);
+            forces.push(force);
+            at = range.end;
+        }
+        let replacing = self.terms.iter().position(|t| t.replaces_direction);
+        let f1 =
+            replacing.map_or_else(|| factor * fit.coefficients[2], |j| amplitudes[j].first().copied().unwrap_or(0.0));
+        Side {
+            b,
+            c: factor * fit.coefficients[1],
+            f1,
+            base_errors: [1, 2.min(fit.standard_errors.len() - 1)].map(|i| factor.abs() * fit.standard_errors[i]),
+            amplitudes,
+            errors,
+            forces,
+            residual: fit.residual.clone(),
+            target: design.target.clone(),
+        }
+    }
+
+    /// The drive that side U predicts at every sample.
+    pub fn predicted_drive(&self, form: &WeakForm<'_>, u: &Side) -> Field {
+        let replaced = self.replaced();
+        let mut drive = form.field(|s| u.b * s.a + u.c * s.v + if replaced { 0.0 } else { u.f1 * s.direction });
+        for (term, amplitudes) in self.terms.iter().zip(&u.amplitudes) {
+            for (column, amplitude) in term.u.iter().zip(amplitudes) {
+                let Column::Force(field) = column else { continue };
+                for (drive, g) in drive.iter_mut().zip(field) {
+                    for (u, g) in drive.iter_mut().zip(g) {
+                        *u += amplitude * g;
+                    }
+                }
+            }
+        }
+        drive
+    }
+}
+
+/// A column in every window; on side A of a model with a second body, what is left of it there.
+pub fn rows(form: &WeakForm<'_>, column: &Column, body: Option<[f64; 3]>) -> Vec<f64> {
+    match (column, body) {
+        (Column::Force(field), None) => form.means(field),
+        (Column::Force(field), Some(body)) => form.means(&through(form, field, body)),
+        (Column::Displacement(field), _) => form.second_derivatives(field),
+        (Column::Windows(values), _) => values.clone(),
+    }
+}
+
+/// A force on the motor beside a second body: (s² + 2ζωs + ω²)/(s² + (1 + r)(2ζωs + ω²)), by the bilinear transform.
+fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -> Field {
+    let each = field.iter().zip(&form.dataset.pieces).map(|(g, piece)| {
+        let k = 2.0 / piece.h_s;
+        let (damping, stiffness) = (2.0 * zeta * omega, omega * omega);
+        let part = |scale: f64| {
+            [
+                k * k + scale * (damping * k + stiffness),
+                2.0 * (scale * stiffness - k * k),
+                k * k + scale * (stiffness - damping * k),
+            ]
+        };
+        let (above, below) = (part(1.0), part(1.0 + ratio.max(0.0)));
+        // It starts at rest under the first force.
+        let first = g.first().copied().unwrap_or(0.0);
+        let still = first / (1.0 + ratio.max(0.0));
+        let (mut x1, mut x2, mut y1, mut y2) = (first, first, still, still);
+        g.iter()
+            .map(|x| {
+                let y = (above[0] * x + above[1] * x1 + above[2] * x2 - below[1] * y1 - below[2] * y2) / below[0];
+                (x2, x1, y2, y1) = (x1, *x, y1, y);
+                y
+            })
+            .collect()
+    });
+    each.collect()
+}
+
+/// The drive as it arrives.
+pub fn arrive(u: &[f64], v: &[f64], h_s: f64, arrival: Arrival) -> Vec<f64> {
+    match arrival {
+        Arrival::Delay(delay_s) => {
+            let (whole, share) = {
+                let samples = delay_s / h_s;
+                (samples.floor() as i64, samples - samples.floor())
+            };
+            let last = u.len() as i64 - 1;
+            let at = |k: i64| u[k.clamp(0, last) as usize];
+            (0..u.len() as i64).map(|k| (1.0 - share) * at(k - whole) + share * at(k - whole - 1)).collect()
+        }
+        Arrival::Limit(limit) => u.iter().map(|u| u.clamp(-limit, limit)).collect(),
+        Arrival::DeadZone(d) => u.iter().map(|u| u - u.clamp(-d, d)).collect(),
+        Arrival::DeadTime([d, edge, emf]) => {
+            u.iter().zip(v).map(|(u, v)| u - d * ((u - emf * v) / edge).clamp(-1.0, 1.0)).collect()
+        }
+        Arrival::Lag(lag_s) => {
+            // The mean over an interval, held or not, passes a lag as a line from sample to sample.
+            let decay = (-h_s / lag_s).exp();
+            let ramp = 1.0 - lag_s / h_s * (1.0 - decay);
+            let mut state = u.first().copied().unwrap_or(0.0);
+            let mut previous = state;
+            u.iter()
+                .map(|u| {
+                    state = decay * state + (1.0 - decay) * previous + ramp * (u - previous);
+                    previous = *u;
+                    state
+                })
+                .collect()
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! A term of the judge as an effect of the catalogue: where the fit of the simulated motion starts.
+
+use breakaway_core::plant::{Effect, Kind};
+
+use super::sides::Side;
+use super::term::{Name, Term};
+use super::weak_form::WeakForm;
+
+/// Distance of a wave number from a whole one within which it is that, 1/rad: teeth are counted.
+const WHOLE: f64 = 0.02;
+
+/// The effect, and the indices of its parameters that are held; `None` for a decoy, and where side U does not hold the term.
+pub fn effect(form: &WeakForm<'_>, side: &Side, term: &Term, index: usize) -> Option<(Effect<f64>, Vec<usize>)> {
+    let Name::Effect(kind) = term.name else { return None };
+    let amplitude = |i: usize| side.amplitudes[index].get(i).copied().unwrap_or(0.0);
+    let parameter = |i: usize| term.parameters.iter().find(|p| p.0 == i).map_or(0.0, |p| p.1);
+    let times = || form.rows.iter().map(|r| form.dataset.pieces[r.piece].t[r.centre]);
+    let span_s = times().fold(0.0, f64::max) - times().fold(f64::INFINITY, f64::min);
+    // θ₀·sin + θ₁·cos on the side of the drive is −A·sin(… + φ) of the law.
+    let wave = || (amplitude(0).hypot(amplitude(1)), (-amplitude(1)).atan2(-amplitude(0)));
+    let own: Vec<f64> = match kind {
+        Kind::Spring => {
+            let positions = form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect();
+            vec![amplitude(0), super::weak_form::percentile(positions, 0.5) - amplitude(1) / amplitude(0)]
+        }
+        Kind::GravityLoad => vec![wave().0, wave().1],
+        Kind::Cogging | Kind::TimePeriodic => vec![wave().0, parameter(1), wave().1],
+        Kind::PositionFriction => {
+            let depth = amplitude(0).hypot(amplitude(1)) / side.f1.max(1e-9);
+            vec![depth.min(1.0), parameter(1), amplitude(1).atan2(amplitude(0))]
+        }
+        Kind::EncoderEccentricity => vec![wave().0 / side.b, wave().1],
+        Kind::Stribeck => {
+            let exponent = term.parameters.iter().find(|p| p.0 == 2).map_or(2.0, |p| p.1);
+            vec![amplitude(0), parameter(1), exponent]
+        }
+        // The line through the recordings, as the beginning of an exponential that ends soon after.
+        Kind::FrictionDrift => vec![-1.5 * amplitude(0), 0.7 * span_s],
+        Kind::GainDrift => vec![amplitude(0) / span_s],
+        Kind::InertiaStep => vec![amplitude(0) / side.b, parameter(1)],
+        Kind::Dahl => vec![amplitude(0) / parameter(0)],
+        Kind::LuGre => {
+            let sigma = amplitude(0) / parameter(0);
+            vec![sigma, 0.6 * (sigma * side.b).sqrt(), parameter(2) * amplitude(0), parameter(1)]
+        }
+        Kind::FlexibleCoupling => {
+            vec![(amplitude(0) / (side.b + amplitude(0))).clamp(0.0, 0.98), parameter(0), parameter(1)]
+        }
+        Kind::DeadZone | Kind::Saturation | Kind::PwmDeadTime | Kind::Delay | Kind::ElectricalLag => {
+            term.parameters.iter().map(|p| p.1).collect()
+        }
+        _ => vec![amplitude(0)],
+    };
+    let mut effect = Effect::new(kind, &own);
+    let mut held = Vec::new();
+    if let (Kind::Cogging | Kind::PositionFriction, Some(_)) = (kind, form.radians)
+        && (effect.p[1] - effect.p[1].round()).abs() < WHOLE
+    {
+        effect.p[1] = effect.p[1].round();
+        held.push(1);
+    }
+    for (value, parameter) in effect.p.iter_mut().zip(kind.definition().parameters) {
+        *value = value.clamp(parameter.min, parameter.max);
+    }
+    effect.p.iter().all(|p| p.is_finite()).then_some((effect, held))
+}

@@ -1,0 +1,115 @@
+//! A term of the model: what an effect, or a decoy, adds to either side of the equation of motion.
+
+use breakaway_core::plant::Kind;
+
+use super::weak_form::Field;
+
+/// What a term stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Name {
+    /// An effect of the catalogue.
+    Effect(Kind),
+    /// Something else, that no name is given to.
+    Decoy(&'static str),
+}
+
+impl Name {
+    /// The name as it is printed.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Effect(kind) => kind.name(),
+            Self::Decoy(name) => name,
+        }
+    }
+}
+
+/// A force in every window, or at every sample where it must be filtered yet.
+#[derive(Clone, Debug)]
+pub enum Column {
+    /// A force at every sample.
+    Force(Field),
+    /// A displacement of the reading, whose second derivative times the inertia is the force.
+    Displacement(Field),
+    /// A force in every window.
+    Windows(Vec<f64>),
+}
+
+/// What the amplitudes of a term may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// Any.
+    Any,
+    /// Positive, as the term is written on the side of the drive.
+    Positive,
+}
+
+/// What an effect adds.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// What it stands for.
+    pub name: Name,
+    /// Parameters that the columns were made with, by index in the effect's definition.
+    pub parameters: Vec<(usize, f64)>,
+    /// Columns of the drive as a function of the motion.
+    pub u: Vec<Column>,
+    /// Columns of the motion as a function of the drive; empty where they are those of `u`.
+    pub a: Vec<Column>,
+    /// Whether the first column takes the place of the Coulomb friction's direction.
+    pub replaces_direction: bool,
+    /// What the amplitudes may be.
+    pub sign: Sign,
+    /// A second body: its angular frequency (rad/s) and damping ratio. Side A sends every force through it.
+    pub body: Option<[f64; 2]>,
+    /// The drive as it arrives, s late or with a lag of a time constant, s; it replaces the drive on both sides.
+    pub drive: Option<Arrival>,
+    /// Whether the columns hold the drive, or its prediction.
+    pub holds_drive: bool,
+    /// Amplitudes that count when parsimony is asked for.
+    pub size: usize,
+}
+
+/// How the drive arrives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrival {
+    /// Late by so many seconds.
+    Delay(f64),
+    /// Through a first-order lag of so many seconds.
+    Lag(f64),
+    /// No more of it than this, drive units.
+    Limit(f64),
+    /// Less this, drive units, and nothing below it.
+    DeadZone(f64),
+    /// Less the share of this that the current i = u − Ke·v, clipped at an edge, is of the edge; drive units: d, edge, Ke.
+    DeadTime([f64; 3]),
+}
+
+impl Term {
+    /// A force that is linear in its columns' amplitudes and does not hold the drive.
+    pub fn force(name: Name, fields: Vec<Field>) -> Self {
+        let u: Vec<Column> = fields.into_iter().map(Column::Force).collect();
+        Self {
+            name,
+            parameters: Vec::new(),
+            size: u.len(),
+            u,
+            a: Vec::new(),
+            replaces_direction: false,
+            sign: Sign::Any,
+            body: None,
+            drive: None,
+            holds_drive: false,
+        }
+    }
+
+    /// The same with a parameter that the columns were made with.
+    pub fn with(mut self, index: usize, value: f64) -> Self {
+        self.parameters.push((index, value));
+        self.size += 1;
+        self
+    }
+
+    /// The same with bounds on its amplitudes.
+    pub fn signed(self, sign: Sign) -> Self {
+        Self { sign, ..self }
+    }
+}

@@ -1,0 +1,299 @@
+//! The equation of motion in weak form: integrated against a test function, so that the position is never differentiated.
+//!
+//! With φ(s) = (1 − s²)³ over ±T, normalised, `∫φẍ = ∫φ̈x` and `∫φẋ = −∫φ̇x`. The sampled kernels are corrected to be exact on 1, t,
+//! t² and t³: a constant position would leak in as a spring otherwise.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::dataset::{Dataset, Piece};
+use super::settings::Settings;
+
+/// A quantity at every sample of every piece.
+pub type Field = Vec<Vec<f64>>;
+
+/// Kernels of one window of ±m samples: of the mean, the velocity and the acceleration.
+#[derive(Clone, Debug)]
+pub struct Kernels {
+    /// Samples from the middle to the edge.
+    pub half: usize,
+    /// Weights of the mean, 1.
+    pub mean: Vec<f64>,
+    /// Weights of the velocity, 1/s.
+    pub velocity: Vec<f64>,
+    /// Weights of the acceleration, 1/s².
+    pub acceleration: Vec<f64>,
+}
+
+impl Kernels {
+    /// Kernels of ±`half` samples, `half` ≥ 2, of `h_s` seconds each.
+    pub fn new(half: usize, h_s: f64) -> Self {
+        // One sample beyond the last has φ = 0: with it at s = 1 every sample counts.
+        let m = (half + 1) as f64;
+        let s: Vec<f64> = (0..=2 * half).map(|j| (j as f64 - half as f64) / m).collect();
+        let width = m * h_s;
+        let q = |s: f64| 1.0 - s * s;
+        let phi: Vec<f64> = s.iter().map(|s| q(*s).powi(3)).collect();
+        let total: f64 = phi.iter().sum();
+        let mean: Vec<f64> = phi.iter().map(|p| p / total).collect();
+        let second_moment: f64 = mean.iter().zip(&s).map(|(w, s)| w * s * s).sum();
+        let slope: Vec<f64> = s.iter().map(|s| 6.0 * s * q(*s).powi(2) / total).collect();
+        let curvature: Vec<f64> = s.iter().map(|s| (24.0 * s * s * q(*s) - 6.0 * q(*s).powi(2)) / total).collect();
+        let slope = corrected(&slope, &s, &phi, Vector4::new(0.0, 1.0, 0.0, 3.0 * second_moment));
+        let curvature = corrected(&curvature, &s, &phi, Vector4::new(0.0, 0.0, 2.0, 0.0));
+        Self {
+            half,
+            mean,
+            velocity: slope.iter().map(|w| w / width).collect(),
+            acceleration: curvature.iter().map(|w| w / (width * width)).collect(),
+        }
+    }
+
+    /// What the weights make of the samples about `k`.
+    #[inline]
+    fn at(&self, weights: &[f64], x: &[f64], k: usize) -> f64 {
+        let reference = x[k];
+        weights.iter().zip(&x[k - self.half..]).map(|(w, x)| w * (x - reference)).sum()
+    }
+}
+
+/// Weights with the moments of 1, s, s², s³ that are `wanted`; what is added is shaped like the test function.
+fn corrected(weights: &[f64], s: &[f64], phi: &[f64], wanted: Vector4<f64>) -> Vec<f64> {
+    let row = |s: f64| Vector4::new(1.0, s, s * s, s * s * s);
+    let mut gram = Matrix4::zeros();
+    let mut moments = Vector4::zeros();
+    for ((w, s), p) in weights.iter().zip(s).zip(phi) {
+        gram += *p * row(*s) * row(*s).transpose();
+        moments += *w * row(*s);
+    }
+    let Some(inverse) = gram.try_inverse() else { return weights.to_vec() };
+    let lambda = inverse * (wanted - moments);
+    weights.iter().zip(s).zip(phi).map(|((w, s), p)| w + p * lambda.dot(&row(*s))).collect()
+}
+
+/// One window: where it lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Piece.
+    pub piece: usize,
+    /// Sample in its middle.
+    pub centre: usize,
+    /// Block of the cross-validation.
+    pub block: usize,
+}
+
+/// All windows of one half-width, and the motion at every sample.
+#[derive(Clone, Debug)]
+pub struct WeakForm<'a> {
+    /// The recordings.
+    pub dataset: &'a Dataset,
+    /// Half-width, s.
+    pub half_width_s: f64,
+    /// Windows in motion.
+    pub rows: Vec<Row>,
+    /// Blocks.
+    pub blocks: usize,
+    /// Velocity, acceleration and smoothed direction of motion at every sample.
+    pub v: Field,
+    /// See `v`.
+    pub a: Field,
+    /// See `v`; in −1..1.
+    pub direction: Field,
+    /// Acceleration, velocity and mean drive in every window.
+    pub row_a: Vec<f64>,
+    /// See `row_a`.
+    pub row_v: Vec<f64>,
+    /// See `row_a`.
+    pub row_u: Vec<f64>,
+    /// 95th percentile of the speed.
+    pub v95: f64,
+    /// Standard deviation of the acceleration in a window that the sensor's noise makes.
+    pub noise_a: f64,
+    /// Radians in a position unit; `None` where the position is no angle.
+    pub radians: Option<f64>,
+    /// Whether ripples are sought in these windows.
+    pub ripples: bool,
+    kernels: Vec<Kernels>,
+}
+
+impl<'a> WeakForm<'a> {
+    /// Windows of half-width `half_width_s` over all pieces that are long enough; `None` where none moves.
+    pub fn new(dataset: &'a Dataset, half_width_s: f64, settings: &Settings) -> Option<Self> {
+        let half = |p: &Piece| ((half_width_s / p.h_s).round() as usize).max(settings.least_half_samples);
+        let kernels: Vec<Kernels> = dataset.pieces.iter().map(|p| Kernels::new(half(p), p.h_s)).collect();
+        let (mut v, mut a, mut noise_v) = (Vec::new(), Vec::new(), Vec::new());
+        for (piece, kernel) in dataset.pieces.iter().zip(&kernels) {
+            let narrow = Kernels::new((kernel.half / 2).max(2), piece.h_s);
+            v.push(over(&narrow, &narrow.velocity, &piece.x));
+            a.push(over(kernel, &kernel.acceleration, &piece.x));
+            noise_v.push(piece.sigma * norm(&narrow.velocity));
+        }
+        let v95 = percentile(v.iter().flatten().map(|v| v.abs()).collect(), 0.95);
+        if !(v95 > 0.0 && v95.is_finite()) {
+            return None;
+        }
+        let direction = v
+            .iter()
+            .zip(&noise_v)
+            .map(|(v, noise)| v.iter().map(|v| (v / (2.0 * noise + 0.003 * v95)).tanh()).collect())
+            .collect();
+        let mut form = Self {
+            dataset,
+            half_width_s,
+            rows: Vec::new(),
+            blocks: 0,
+            v,
+            a,
+            direction,
+            row_a: Vec::new(),
+            row_v: Vec::new(),
+            row_u: Vec::new(),
+            v95,
+            noise_a: 0.0,
+            radians: None,
+            ripples: true,
+            kernels,
+        };
+        form.place_rows(settings, &noise_v);
+        (form.rows.len() >= 40).then_some(form)
+    }
+
+    fn place_rows(&mut self, settings: &Settings, noise_v: &[f64]) {
+        let pieces = &self.dataset.pieces;
+        let total_s: f64 = pieces.iter().map(|p| p.x.len() as f64 * p.h_s).sum();
+        let block_s = settings
+            .block_s
+            .max(settings.block_half_widths * self.half_width_s)
+            .max(total_s / settings.most_blocks as f64);
+        let wanted: f64 =
+            pieces.iter().zip(&self.kernels).map(|(p, k)| p.x.len() as f64 / (k.half / 3).max(1) as f64).sum();
+        let thin = (wanted / settings.most_rows as f64).max(1.0);
+        let (mut block, mut noise) = (0, 0.0);
+        for (i, (piece, kernel)) in pieces.iter().zip(&self.kernels).enumerate() {
+            let margin = kernel.half + (kernel.half / 2).max(2);
+            if piece.x.len() < 2 * margin + 1 {
+                continue;
+            }
+            let samples = ((block_s / piece.h_s) as usize).max(1);
+            // Blocks of one length within a piece, so that none is a remnant.
+            let count = ((piece.x.len() as f64 / samples as f64).round() as usize).max(1);
+            for centre in
+                (margin..piece.x.len() - margin).step_by((((kernel.half / 3).max(1)) as f64 * thin).round() as usize)
+            {
+                let speed = kernel.at(&kernel.velocity, &piece.x, centre);
+                if speed.abs() <= (settings.slow_share * self.v95).max(3.0 * noise_v[i]) {
+                    continue;
+                }
+                let own = block + centre * count / piece.x.len();
+                self.rows.push(Row { piece: i, centre, block: own });
+                self.row_v.push(speed);
+                self.row_a.push(kernel.at(&kernel.acceleration, &piece.x, centre));
+                noise += (piece.sigma * norm(&kernel.acceleration)).powi(2);
+            }
+            block += count;
+        }
+        self.blocks = block;
+        self.noise_a = (noise / self.rows.len().max(1) as f64).sqrt();
+        let drive: Field = pieces.iter().map(|p| p.u.clone()).collect();
+        self.row_u = self.means(&drive);
+    }
+
+    /// Mean of a quantity in every window.
+    pub fn means(&self, field: &Field) -> Vec<f64> {
+        let each = self.rows.iter().map(|row| {
+            let kernel = &self.kernels[row.piece];
+            let samples = &field[row.piece][row.centre - kernel.half..];
+            kernel.mean.iter().zip(samples).map(|(w, g)| w * g).sum()
+        });
+        each.collect()
+    }
+
+    /// Second derivative of a quantity in every window.
+    pub fn second_derivatives(&self, field: &Field) -> Vec<f64> {
+        let each = self.rows.iter().map(|row| {
+            let kernel = &self.kernels[row.piece];
+            kernel.at(&kernel.acceleration, &field[row.piece], row.centre)
+        });
+        each.collect()
+    }
+
+    /// A quantity made of time, position, velocity and direction at every sample.
+    pub fn field(&self, f: impl Fn(Sample) -> f64) -> Field {
+        let pieces = self.dataset.pieces.iter().enumerate();
+        pieces
+            .map(|(i, p)| {
+                let each = (0..p.x.len()).map(|k| {
+                    f(Sample {
+                        piece: i,
+                        k,
+                        t: p.t[k],
+                        x: p.x[k],
+                        v: self.v[i][k],
+                        a: self.a[i][k],
+                        direction: self.direction[i][k],
+                        u: p.u[k],
+                        h_s: p.h_s,
+                    })
+                });
+                each.collect()
+            })
+            .collect()
+    }
+
+    /// Ratio of the noise's share in the acceleration to its rms.
+    pub fn noise_share(&self) -> f64 {
+        let square = self.row_a.iter().map(|a| a * a).sum::<f64>() / self.row_a.len().max(1) as f64;
+        self.noise_a / square.sqrt()
+    }
+}
+
+/// One sample of the measured motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Piece and sample.
+    pub piece: usize,
+    /// See `piece`.
+    pub k: usize,
+    /// Session time, s.
+    pub t: f64,
+    /// Position.
+    pub x: f64,
+    /// Velocity.
+    pub v: f64,
+    /// Acceleration.
+    pub a: f64,
+    /// Smoothed sign of the velocity.
+    pub direction: f64,
+    /// Drive.
+    pub u: f64,
+    /// Interval, s.
+    pub h_s: f64,
+}
+
+/// The weights at every sample; at the ends that of the last full window.
+fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    if n < 2 * kernel.half + 1 {
+        return vec![0.0; n];
+    }
+    let mut values = vec![0.0; n];
+    for k in kernel.half..n - kernel.half {
+        values[k] = kernel.at(weights, x, k);
+    }
+    let (first, last) = (values[kernel.half], values[n - 1 - kernel.half]);
+    values[..kernel.half].fill(first);
+    values[n - kernel.half..].fill(last);
+    values
+}
+
+fn norm(weights: &[f64]) -> f64 {
+    weights.iter().map(|w| w * w).sum::<f64>().sqrt()
+}
+
+/// The value below which the share lies; 0 of nothing.
+pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = ((values.len() - 1) as f64 * share) as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
