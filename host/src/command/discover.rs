@@ -158,7 +158,8 @@ fn told(found: &Discovery) -> String {
     for effect in &found.effects {
         let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);
         for p in &effect.parameters {
-            let _ = writeln!(text, "  {:<8}{:>14.6e} ± {:.1e} {:<10} {}", p.symbol, p.value, p.se, p.unit, p.meaning);
+            let error = if p.se.is_finite() { format!("± {:.1e}", p.se) } else { "(held)".to_owned() };
+            let _ = writeln!(text, "  {:<8}{:>14.6e} {error:<9} {:<10} {}", p.symbol, p.value, p.unit, p.meaning);
         }
         for rival in effect.rivals.iter().filter(|r| r.tied) {
             let _ = writeln!(text, "  tied with {} (Δ {:.4}, z {:.1})", rival.kind.name(), rival.delta, rival.z);
@@ -186,7 +187,8 @@ fn told(found: &Discovery) -> String {
     for row in found.candidates.iter().take(8) {
         // What did not come to the final has no evidence.
         let evidence = if row.delta.is_finite() {
-            format!("Δ {:>8.4}  z {:>6.1}  λ {:>9.0}", row.delta, row.z, row.lambda)
+            let lambda = if row.lambda.is_finite() { format!("  λ {:>9.0}", row.lambda) } else { String::new() };
+            format!("Δ {:>8.4}  z {:>6.1}{lambda}", row.delta, row.z)
         } else {
             "–".to_owned()
         };

@@ -1,5 +1,7 @@
 //! The judge's names as a model: the simulated motion gives the parameters that are printed and the ladder; it does not decide.
 
+use breakaway_core::plant::Effect;
+
 use super::chain::{Ended, rung};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Request, assembled, prepared};
@@ -33,10 +35,12 @@ pub(super) fn found(
     let fit = if ruling.findings.is_empty() { base.clone() } else { simulated(data, base, ruling, &mut remarks) };
     let errors = data.problem().covariance(&fit);
     let known = base.candidate.effects.len();
-    let named = ruling.findings.iter().enumerate().map(|(j, finding)| NamedEffect {
-        kind: finding.effect.kind,
-        parameters: parameters(&fit.candidate, known + j, Some(&errors), units),
-        rivals: rivals(finding),
+    let named = ruling.findings.iter().enumerate().map(|(j, finding)| {
+        let mut parameters = parameters(&fit.candidate, known + j, Some(&errors), units);
+        if fit.free.is_empty() {
+            parameters.iter_mut().zip(finding.errors).for_each(|(parameter, error)| parameter.se = error);
+        }
+        NamedEffect { kind: finding.effect.kind, parameters, rivals: rivals(finding) }
     });
     let mut ladder = vec![rung(data, base)];
     if !ruling.findings.is_empty() {
@@ -100,23 +104,41 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>
         let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
         if count > 0 { square / count as f64 } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
     };
-    match (by_force, by_motion) {
-        (Ok(force), Ok(motion)) if open_loop(&force) < open_loop(&motion) => {
-            remarks.push(
-                "the parameters are those of the force fit: the simulated motion, from which they would be finer, follows the \
-                 open loop less well with its own"
-                    .to_owned(),
-            );
-            force
-        }
-        (_, Ok(motion)) => motion,
+    let (by_force, by_motion) = match (by_force, by_motion) {
+        (Ok(force), Ok(motion)) => (force, motion),
+        (Err(_), Ok(motion)) => return canonical(motion),
         (Ok(force), Err(error)) => {
             remarks
                 .push(format!("the parameters are those of the force fit: the simulated motion gives none ({error})"));
-            force
+            return force;
         }
-        (Err(_), Err(_)) => base.clone(),
-    }
+        (Err(_), Err(_)) => return base.clone(),
+    };
+    let reason = if let Some(name) = lost(&by_motion.candidate, known, ruling) {
+        format!("with those of the simulated motion nothing would be left of {name}")
+    } else if open_loop(&by_force) < open_loop(&by_motion) {
+        "those of the simulated motion follow the open loop less well".to_owned()
+    } else {
+        return canonical(by_motion);
+    };
+    remarks.push(format!("the parameters are those of the force fit: {reason}"));
+    by_force
+}
+
+/// The first effect whose main parameter the simulated motion brings below a tenth of the force fit's, or above ten times it.
+fn lost(candidate: &Candidate, known: usize, ruling: &Ruling) -> Option<&'static str> {
+    let own = candidate.effects.iter().skip(known).zip(&ruling.findings);
+    let far = |(effect, finding): &(&Effect<f64>, &Finding)| {
+        let ratio = effect.p[0] / finding.effect.p[0];
+        !(0.1..=10.0).contains(&ratio.abs())
+    };
+    own.into_iter().find(far).map(|(effect, _)| effect.kind.name())
+}
+
+/// The fit with phases within half a turn.
+fn canonical(mut fit: Fit) -> Fit {
+    fit.candidate.effects.iter_mut().for_each(|effect| *effect = effect.canonical());
+    fit
 }
 
 fn rivals(finding: &Finding) -> Vec<Rival> {

@@ -219,7 +219,12 @@ pub struct Discovery {
 }
 
 impl Discovery {
-    /// Whether the simulated motion follows the measured one down to the sensor's noise.
+    /// Held-out simulation error of the final model over the sensor's noise.
+    pub fn over_noise(&self) -> f64 {
+        self.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse / self.noise_floor)
+    }
+
+    /// Whether the verdict leaves nothing to be explained.
     pub fn down_to_the_noise(&self) -> bool {
         matches!(self.verdict, Verdict::Explained | Verdict::NothingMissing)
     }

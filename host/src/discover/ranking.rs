@@ -223,7 +223,7 @@ pub(super) fn parameters(
             meaning: p.meaning,
             value: effect.p[i],
             // What is held, a whole number of waves, has no error.
-            se: errors.and_then(|errors| errors.standard_error(Free::Effect(j, i))).unwrap_or(0.0),
+            se: errors.and_then(|errors| errors.standard_error(Free::Effect(j, i))).unwrap_or(f64::NAN),
         })
         .collect()
 }

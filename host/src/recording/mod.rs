@@ -12,6 +12,7 @@ mod mend;
 mod options;
 mod quality;
 mod quantisation;
+mod refreshed;
 mod signal;
 mod table;
 mod timing;

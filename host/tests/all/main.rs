@@ -12,6 +12,7 @@ mod measured;
 mod messages;
 mod model;
 mod recording;
+mod recording_clocks;
 mod recording_errors;
 mod report;
 mod support;

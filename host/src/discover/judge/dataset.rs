@@ -1,4 +1,4 @@
-//! Recordings on an even clock: the position at the clock's instants, the drive as the mean over the interval about each.
+//! Recordings, each row with a position of its own, on an even clock: the position at the clock's instants, the drive as the mean over the interval about each.
 //!
 //! The mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2 on an even clock. Without it the hold looks
 //! like half a sample of delay.
@@ -109,7 +109,6 @@ fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Pi
         let middle = intervals.len() / 2;
         *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
     };
-    let held = recording.held().map_or(1, |held| held.period_rows.round().max(1.0) as usize);
     let mut bounds = vec![0];
     let longest = GAP_S.max(GAP_INTERVALS * tick);
     bounds.extend((1..recording.t.len()).filter(|k| recording.t[*k] - recording.t[k - 1] > longest));
@@ -120,9 +119,9 @@ fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Pi
     let average = (settings.least_interval_s / tick).ceil().max(1.0) as usize;
     let each = |range: std::ops::Range<usize>| {
         let rows = Rows { t: &recording.t[range.clone()], u: &recording.u[range.clone()], x: &recording.x[range] };
-        rows.even(tick, held, average).map(|(t, x, u)| Piece {
+        rows.even(tick, average).map(|(t, x, u)| Piece {
             recording: index,
-            h_s: tick * (held.max(average)) as f64,
+            h_s: tick * average as f64,
             t,
             x,
             u,
@@ -145,18 +144,9 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     /// Time, position and mean drive on an even clock; `None` where the piece is shorter than a few intervals.
-    fn even(&self, tick: f64, held: usize, average: usize) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
-        // The instants at which the position is fresh.
-        let period = held as f64 * tick;
-        let mut fresh = vec![0];
-        for k in 1..self.t.len() {
-            let last = *fresh.last().unwrap_or(&0);
-            if held == 1 || self.x[k] != self.x[k - 1] || self.t[k] - self.t[last] > 1.5 * period {
-                fresh.push(k);
-            }
-        }
-        let h = tick * held.max(average) as f64;
-        let (first, last) = (self.t[0], self.t[*fresh.last()?]);
+    fn even(&self, tick: f64, average: usize) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+        let h = tick * average as f64;
+        let (first, last) = (*self.t.first()?, *self.t.last()?);
         let count = ((last - first) / h - if average > 1 { 1.0 } else { 0.0 }).floor();
         if !(count >= 8.0 && count.is_finite()) {
             return None;
@@ -175,12 +165,11 @@ impl Rows<'_> {
             let mut j = 0;
             t.iter()
                 .map(|t| {
-                    while j + 2 < fresh.len() && self.t[fresh[j + 1]] <= *t {
+                    while j + 2 < self.t.len() && self.t[j + 1] <= *t {
                         j += 1;
                     }
-                    let (a, b) = (fresh[j], fresh[j + 1]);
-                    let share = ((t - self.t[a]) / (self.t[b] - self.t[a])).clamp(0.0, 1.0);
-                    self.x[a] + share * (self.x[b] - self.x[a])
+                    let share = ((t - self.t[j]) / (self.t[j + 1] - self.t[j])).clamp(0.0, 1.0);
+                    self.x[j] + share * (self.x[j + 1] - self.x[j])
                 })
                 .collect()
         };

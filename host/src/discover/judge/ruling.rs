@@ -7,7 +7,7 @@ use super::evidence::Rejection;
 use super::regression::rms;
 use super::search::{Judged, Outcome, Tried, judge};
 use super::settings::Settings;
-use super::start;
+use super::start::{self, Errors};
 use super::term::Name;
 use super::weak_form::WeakForm;
 use crate::recording::Recording;
@@ -17,6 +17,8 @@ use crate::recording::Recording;
 pub struct Finding {
     /// The effect with the parameters of the force fit.
     pub effect: Effect<f64>,
+    /// Standard errors of its parameters; NaN where the force fit gives none.
+    pub errors: Errors,
     /// Indices of the parameters that are held.
     pub held: Vec<usize>,
     /// Effects that these recordings do not tell from it, and by how many standard deviations it is better.
@@ -70,30 +72,17 @@ pub struct Ruling {
     pub residual_a: [f64; 2],
     /// ρ²: share of the acceleration that the drive determines.
     pub coherence: f64,
-    /// Residual of the base over what the sensor's noise makes, in the narrowest windows.
-    pub base_over_noise: f64,
     /// Half-width of the windows that named, s.
     pub half_width_s: f64,
     /// What is left.
     pub remainder: Remainder,
 }
 
-/// Largest residual of the base over the sensor's noise, in the narrowest windows, of a machine on which the simulated motion is asked
-/// for small effects: on a rough one what is left is not the sensor's.
-const QUIET: f64 = 4.0;
-/// Remainder over the sensor's noise in wide windows from which something else than the sensor is left.
-const LEFT: f64 = 3.0;
 /// Share of the drive that may be left, at random, where nothing is missing, and least ρ² that tells it.
 const NOTHING: f64 = 0.05;
 const COHERENT: f64 = 0.3;
 
 impl Ruling {
-    /// Whether the simulated motion may tell more: the sensor is the most of what the base leaves in the narrowest windows, and
-    /// what is left in wide ones is the sensor's too or predictable.
-    pub fn quiet(&self) -> bool {
-        let random = self.remainder.predictable.is_none() && self.remainder.over_noise > LEFT;
-        self.base_over_noise < QUIET && !random
-    }
     /// Whether the inertia of the force fit means something.
     pub fn tells_inertia(&self) -> bool {
         self.base.b > 0.0 && self.coherence >= COHERENT
@@ -110,9 +99,9 @@ impl Ruling {
     }
 }
 
-/// Multiples of the narrowest width: up to the first every width is tried, then one that is as wide as the second; a ripple is sought
-/// in the former only.
-const NARROW: f64 = 2.0;
+/// Widths that are tried, as multiples of the narrowest that the noise allows; a ripple is sought in all but the last.
+const WIDTHS: [f64; 4] = [1.0, 1.3, 2.0, WIDE];
+/// See [`WIDTHS`]: the windows in which the sensor's noise does not count.
 const WIDE: f64 = 4.0;
 
 /// Rules over `recordings`, whose position unit has so many radians; `None` where they hold no motion.
@@ -123,7 +112,7 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
     for width in widths(narrowest, settings) {
         let Some(mut form) = WeakForm::new(&dataset, width, settings) else { continue };
         form.radians = radians;
-        form.ripples = width <= NARROW * narrowest;
+        form.ripples = width < WIDE * narrowest;
         let Some(own) = judge(&form, settings) else { continue };
         let named = !own.model.terms.is_empty();
         judged.push((form, own));
@@ -138,10 +127,6 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
-    let base_noise = {
-        let (form, own) = judged.first()?;
-        own.residual[0][0] * rms(&form.row_u) / (own.fitted.u.b.abs() * form.noise_a).max(f64::MIN_POSITIVE)
-    };
     Some(Ruling {
         base: Base { b: own.fitted.u.b, c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
         findings: findings(form, own),
@@ -152,7 +137,6 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
         residual_u: [own.residual[0][0], own.residual[1][0]],
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
-        base_over_noise: base_noise,
         half_width_s: form.half_width_s,
         remainder: remainder(&dataset, own, narrowest, predictable.last(), settings)
             .or_else(|| remainder_of(form, own, None))?,
@@ -161,9 +145,10 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
 
 /// The widths that are tried, from the narrowest.
 fn widths(narrowest: f64, settings: &Settings) -> Vec<f64> {
-    let all = settings.half_widths_s.iter().copied();
-    let wide = all.clone().find(|width| *width >= WIDE * narrowest);
-    all.filter(|width| (narrowest..=NARROW * narrowest).contains(width)).chain(wide).collect()
+    let next = |multiple: f64| settings.half_widths_s.iter().copied().find(|width| *width >= multiple * narrowest);
+    let mut widths: Vec<f64> = WIDTHS.iter().filter_map(|multiple| next(*multiple)).collect();
+    widths.dedup();
+    widths
 }
 
 /// The narrowest windows that the sensor's noise allows.
@@ -193,13 +178,20 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> Vec<Finding> {
         let Outcome::Named(names, tied) = &round.outcome else { continue };
         let Some(tried) = round.tried.iter().find(|t| t.names() == *names) else { continue };
         for (term, evidence) in tried.terms.iter().zip(&tried.evidence) {
-            if let Some((effect, held)) = start::effect(form, &own.fitted.u, term, index) {
+            if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
                 let tied = tied.iter().filter_map(|name| {
                     let Name::Effect(kind) = name else { return None };
                     let rival = round.tried.iter().find(|t| t.names() == [*name])?;
                     Some((*kind, tried.better_than(rival)))
                 });
-                findings.push(Finding { effect, held, tied: tied.collect(), gain: evidence.gain(), z: evidence.z() });
+                findings.push(Finding {
+                    effect,
+                    errors,
+                    held,
+                    tied: tied.collect(),
+                    gain: evidence.gain(),
+                    z: evidence.z(),
+                });
             }
             index += 1;
         }

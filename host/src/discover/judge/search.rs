@@ -244,7 +244,7 @@ impl<'a> Stage<'a> {
 
 /// Gain on a side from which a term is worth a partner, and terms that are given one.
 const PAIR_GAIN: f64 = 0.05;
-const PAIR_FIRSTS: usize = 6;
+const PAIR_FIRSTS: usize = 4;
 
 fn score(tried: &Tried) -> f64 {
     tried.evidence[0].u.flat.max(0.0) + tried.evidence[0].a.flat.max(0.0)

@@ -1,5 +1,6 @@
 //! A term of the judge as an effect of the catalogue: where the fit of the simulated motion starts.
 
+use breakaway_core::plant::effect::MAX_PARAMETERS;
 use breakaway_core::plant::{Effect, Kind};
 
 use super::sides::Side;
@@ -9,8 +10,14 @@ use super::weak_form::WeakForm;
 /// Distance of a wave number from a whole one within which it is that, 1/rad: teeth are counted.
 const WHOLE: f64 = 0.02;
 
-/// The effect, and the indices of its parameters that are held; `None` for a decoy, and where side U does not hold the term.
-pub fn effect(form: &WeakForm<'_>, side: &Side, term: &Term, index: usize) -> Option<(Effect<f64>, Vec<usize>)> {
+/// The effect, the standard errors of its parameters (NaN where the force fit gives none), and the indices of those that are held:
+/// the spectrum tells a wave number better than any fit that starts from it. `None` for a decoy.
+pub fn effect(
+    form: &WeakForm<'_>,
+    side: &Side,
+    term: &Term,
+    index: usize,
+) -> Option<(Effect<f64>, Errors, Vec<usize>)> {
     let Name::Effect(kind) = term.name else { return None };
     let amplitude = |i: usize| side.amplitudes[index].get(i).copied().unwrap_or(0.0);
     let parameter = |i: usize| term.parameters.iter().find(|p| p.0 == i).map_or(0.0, |p| p.1);
@@ -51,16 +58,40 @@ pub fn effect(form: &WeakForm<'_>, side: &Side, term: &Term, index: usize) -> Op
         }
         _ => vec![amplitude(0)],
     };
-    let mut effect = Effect::new(kind, &own);
+    let mut effect = Effect::new(kind, &own).canonical();
     let mut held = Vec::new();
-    if let (Kind::Cogging | Kind::PositionFriction, Some(_)) = (kind, form.radians)
-        && (effect.p[1] - effect.p[1].round()).abs() < WHOLE
-    {
-        effect.p[1] = effect.p[1].round();
+    if matches!(kind, Kind::Cogging | Kind::PositionFriction) {
         held.push(1);
+        if form.radians.is_some() && (effect.p[1] - effect.p[1].round()).abs() < WHOLE {
+            effect.p[1] = effect.p[1].round();
+        }
     }
     for (value, parameter) in effect.p.iter_mut().zip(kind.definition().parameters) {
         *value = value.clamp(parameter.min, parameter.max);
     }
-    effect.p.iter().all(|p| p.is_finite()).then_some((effect, held))
+    let errors = errors(side, &effect, index);
+    effect.p.iter().all(|p| p.is_finite()).then_some((effect, errors, held))
+}
+
+/// Standard errors of an effect's parameters.
+pub type Errors = [f64; MAX_PARAMETERS];
+
+/// Those that the force fit gives: of an amplitude, and of the phase that goes with it.
+fn errors(side: &Side, effect: &Effect<f64>, index: usize) -> Errors {
+    let mut errors = [f64::NAN; MAX_PARAMETERS];
+    let own = &side.errors[index];
+    let (Some(first), Some(amplitude)) = (own.first(), side.amplitudes[index].first()) else { return errors };
+    let square = own.iter().take(2).map(|e| e * e).sum::<f64>() / own.len().clamp(1, 2) as f64;
+    let size = side.amplitudes[index].iter().take(2).map(|a| a * a).sum::<f64>().sqrt();
+    // Relative to the amplitude, whatever that is in the parameter's own unit.
+    let (relative, phase) = match effect.kind {
+        Kind::GravityLoad | Kind::EncoderEccentricity => (square.sqrt() / size, Some(1)),
+        Kind::Cogging | Kind::TimePeriodic | Kind::PositionFriction => (square.sqrt() / size, Some(2)),
+        _ => (first / amplitude.abs(), None),
+    };
+    errors[0] = relative * effect.p[0].abs();
+    if let Some(phase) = phase {
+        errors[phase] = relative;
+    }
+    errors
 }

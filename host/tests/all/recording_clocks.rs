@@ -1,14 +1,12 @@
 //! Clocks as loggers write them: what is mended, what is said of it, and recordings that do not move among others.
 
-mod support;
-
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::support::{breakaway, json, keys, text};
 use breakaway::recording::{ReadOptions, Recording, Signal};
 use insta::assert_snapshot;
-use support::{breakaway, json, keys, text};
 
 /// A file with one row per stamp, a triangular drive and the position k².
 fn file(stamps: &[f64]) -> String {
