@@ -20,6 +20,7 @@ impl Law for AsymmetricViscous {
         shown_by: "both directions at several speeds",
         confused_with: &["constant_load"],
         compensation: Some("feed-forward d·|v|"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -1,7 +1,12 @@
 //! A load that loses contact at every reversal and is caught again a gap later. The encoder is on the motor side.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::scalar::Real;
+
+/// Why no other second body stands beside this one.
+pub(super) const ONE_SECOND_BODY: &str = "a model has one second body";
+const CONTACT_YIELDS: &str =
+    "a real contact yields and this one does not: the difference acts after reversals, and late";
 
 /// Backlash: `load μ·b free within a gap ±g/2 of the motor, contact with restitution e`.
 #[derive(Clone, Copy, Debug)]
@@ -14,13 +19,25 @@ impl Law for Backlash {
         law: "load μ·b free within a gap ±g/2 of the motor, contact with restitution e",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new(Role::Gap, "g", "gap, whole width", 0.0, 1e9).search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.065, 0.12, 0.22, 0.4, 0.75, 1.4])),
-            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.4])),
-            Parameter::new(Role::Restitution, "e", "restitution: closing speed left after an impact", 0.0, 0.95).search(Search::Grid(Scale::Unit, &[0.2])),
+            Parameter::new(Role::Gap, "g", "gap, whole width", 0.0, 1e9)
+                .search(Search::Grid(Scale::Stroke, &[0.003, 0.006, 0.011, 0.02, 0.035, 0.065, 0.12, 0.22, 0.4, 0.75, 1.4])),
+            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98)
+                .search(Search::Grid(Scale::Unit, &[0.4])),
+            Parameter::new(Role::Restitution, "e", "restitution: closing speed left after an impact", 0.0, 0.95)
+                .search(Search::Grid(Scale::Unit, &[0.2])),
         ],
         shown_by: "reversals, multisine",
         confused_with: &["lugre", "dahl", "flexible_coupling"],
         compensation: None,
+        excludes: &[Relation { name: "flexible_coupling", why: ONE_SECOND_BODY }],
+        residue: &[
+            Relation { name: "load_friction", why: CONTACT_YIELDS },
+            Relation { name: "delay", why: CONTACT_YIELDS },
+            Relation { name: "electrical_lag", why: CONTACT_YIELDS },
+            Relation { name: "dahl", why: CONTACT_YIELDS },
+            Relation { name: "lugre", why: CONTACT_YIELDS },
+        ],
+        ..Definition::PLAIN
     };
 
     const REMEMBERS: bool = true;

@@ -20,6 +20,7 @@ impl Law for ConstantLoad {
         shown_by: "any record with motion in both directions",
         confused_with: &[],
         compensation: Some("feed-forward f0"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], _at: &Instant<R>) -> R {

@@ -15,11 +15,13 @@ impl Law for DeadZone {
         law: "u_a = u − d·sgn u, 0 for |u| < d",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
+            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9)
+                .search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
         ],
         shown_by: "small drive",
         confused_with: &["load_friction", "pwm_dead_time"],
         compensation: Some("inverse: u + d·sgn u"),
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 3;

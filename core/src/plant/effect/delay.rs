@@ -14,11 +14,13 @@ impl Law for Delay {
         law: "u_a(t) = u(t − τ)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::Delay, "tau", "delay", 0.0, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
+            Parameter::new(Role::Delay, "tau", "delay", 0.0, 1.0)
+                .search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
         ],
         shown_by: "switching edges",
         confused_with: &["electrical_lag"],
         compensation: None,
+        ..Definition::PLAIN
     };
 
     const SUB_STEPS: usize = 7;

@@ -20,6 +20,9 @@ impl Law for EncoderEccentricity {
         shown_by: "long travel at high speed",
         confused_with: &["cogging", "gravity_load"],
         compensation: None,
+        needs_angle: true,
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn sensor<R: Real>(p: &[R], x: R) -> R {

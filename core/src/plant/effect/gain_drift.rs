@@ -19,6 +19,8 @@ impl Law for GainDrift {
         shown_by: "long sessions",
         confused_with: &["friction_drift"],
         compensation: None,
+        shared_clock: true,
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 1;

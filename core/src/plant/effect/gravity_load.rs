@@ -21,6 +21,9 @@ impl Law for GravityLoad {
         shown_by: "large angles",
         confused_with: &["cogging"],
         compensation: Some("feed-forward along the reference"),
+        needs_angle: true,
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -15,11 +15,14 @@ impl Law for InertiaStep {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Ratio, "r", "relative change of inertia", -0.95, 100.0),
-            Parameter::new(Role::Instant, "t0", "session time of the change", -1e9, 1e9).search(Search::Grid(Scale::Session, &[0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9])),
+            Parameter::new(Role::Instant, "t0", "session time of the change", -1e9, 1e9)
+                .search(Search::Grid(Scale::Session, &[0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9])),
         ],
         shown_by: "a load picked up or put down during the session",
         confused_with: &["friction_drift", "gain_drift"],
         compensation: None,
+        shared_clock: true,
+        ..Definition::PLAIN
     };
 
     const THRESHOLD: bool = true;

@@ -20,6 +20,7 @@ impl Law for LoadFriction {
         shown_by: "several levels of drive",
         confused_with: &["dead_zone"],
         compensation: Some("feed-forward k·|u|"),
+        ..Definition::PLAIN
     };
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {

@@ -16,12 +16,15 @@ impl Law for PwmDeadTime {
         acts_in: ActsIn::Drive,
         parameters: &[
             Parameter::new(Role::Level, "d", "voltage lost", 0.0, 1e9),
-            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
-            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
+            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9)
+                .search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
+            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9)
+                .search(Search::Grid(Scale::Viscous, &[0.5])),
         ],
         shown_by: "several levels of drive and speed",
         confused_with: &["dead_zone"],
         compensation: Some("inverse: u + d·sat(i/i0)"),
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 4;

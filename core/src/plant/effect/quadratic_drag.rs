@@ -20,6 +20,7 @@ impl Law for QuadraticDrag {
         shown_by: "high speed",
         confused_with: &["stribeck", "saturation"],
         compensation: Some("feed-forward k·v·|v|"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
