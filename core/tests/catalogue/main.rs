@@ -33,21 +33,24 @@ fn a_role_is_searched_as_what_it_is() {
     }
 }
 
-/// The size of a unit where those of drive, position and time are `u`, `x` and `s`.
+/// The size of a unit, such as U·s²/X², where those of drive, position and time are `u`, `x` and `s`.
 fn size(unit: &str, [u, x, s]: [f64; 3]) -> f64 {
-    match unit {
-        "U" => u,
-        "X" => x,
-        "U/X" => u / x,
-        "U·s/X" => u * s / x,
-        "U·s²/X²" => u * s * s / (x * x),
-        "1/X" => 1.0 / x,
-        "X/s" => x / s,
-        "s" => s,
-        "1/s" | "rad/s" => 1.0 / s,
-        "1" | "rad" => 1.0,
-        _ => panic!("{unit} has no size here"),
-    }
+    let factor = |name: &str| {
+        let base = match name.trim_end_matches(['²', '³']) {
+            "U" => u,
+            "X" => x,
+            "s" => s,
+            "1" | "rad" => 1.0,
+            _ => panic!("{unit}: {name} is no unit of the catalogue"),
+        };
+        match name.chars().last() {
+            Some('²') => base * base,
+            Some('³') => base * base * base,
+            _ => base,
+        }
+    };
+    let product = |side: &str| side.split('·').map(factor).product::<f64>();
+    unit.split_once('/').map_or_else(|| product(unit), |(above, below)| product(above) / product(below))
 }
 
 /// An effect of each kind that acts strongly on [`moved`].
@@ -82,8 +85,8 @@ fn moved(effects: &[Effect<f64>], units: [f64; 3]) -> Vec<f64> {
     (0..drive.len()).map(&mut step).collect()
 }
 
-/// A role's unit is the parameter's: in other units of drive, position and time the same machine moves alike. By powers of 2,
-/// which round nothing: to the bit. A law that needs an angle does not, and no other says that it does.
+/// A role's unit is the parameter's: in other units of drive, position and time the same machine moves alike. By
+/// powers of 2, which round nothing: to the bit. A law that needs an angle does not, and no other says that it does.
 #[test]
 fn units_are_those_of_the_roles() {
     for &kind in Kind::ALL {

@@ -1,5 +1,7 @@
 //! `breakaway effects`: the catalogue.
 
+mod page;
+
 use std::fmt::Write as _;
 
 use breakaway_core::plant::Kind;
@@ -10,6 +12,8 @@ use super::UsageError;
 use super::output::Output;
 use crate::model::{known_effects, range};
 use crate::nearest::{did_you_mean, nearest};
+
+pub use page::page;
 
 /// The catalogue of effects: law, parameters, what shows each, what it is confused with
 #[derive(clap::Args, Debug)]
@@ -215,43 +219,4 @@ fn row(parameter: &Parameter) -> [String; 4] {
         let _ = write!(range, " (if left out: {default})");
     }
     [parameter.symbol.to_owned(), parameter.unit.to_owned(), parameter.meaning.to_owned(), range]
-}
-
-/// The effects of the drive, in the order in which they act.
-fn along_the_drive() -> Vec<&'static str> {
-    let mut drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
-    drive.sort_by_key(|kind| kind.along_the_drive());
-    drive.iter().map(|kind| kind.name()).collect()
-}
-
-/// The catalogue as a page of documentation: `docs/effects.md`.
-pub fn page() -> String {
-    let mut text = "# The effects\n\n\
-        The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`; effects are named terms on top of it. A law is given as it is added \
-        to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured position. In units, `U` is \
-        the drive's unit and `X` the position's.\n\n\
-        Each is named in a model file as `[[effect]]` with `name` and its parameters by symbol. This page is generated \
-        from the definitions in `core/src/plant/effect`; `breakaway effects NAME` prints the same.\n\n"
-        .to_owned();
-    let _ = writeln!(
-        text,
-        "Effects of the drive act one after the other, in this order whatever theirs in the file: {}.\n",
-        along_the_drive().join(", ")
-    );
-    for definition in known_effects() {
-        let _ = writeln!(text, "- [{}](#{})", definition.title, definition.name);
-    }
-    for definition in known_effects() {
-        let _ = writeln!(text, "\n## {}\n\n{}\n", definition.name, definition.title);
-        for (topic, saying) in topics(definition) {
-            let tick = if topic == "law" { "`" } else { "" };
-            let _ = writeln!(text, "- {topic}: {tick}{saying}{tick}");
-        }
-        text.push_str("\n| symbol | unit | meaning | range |\n|---|---|---|---|\n");
-        for parameter in definition.parameters {
-            let [symbol, unit, meaning, range] = row(parameter);
-            let _ = writeln!(text, "| `{symbol}` | {unit} | {meaning} | {range} |");
-        }
-    }
-    text
 }

@@ -1,4 +1,5 @@
-//! Attraction of the magnets to the slots. The second harmonic is a refinement.
+//! The magnets attract the slots: a force that is periodic in the position. The second harmonic is a refinement.
+//! Lines of other wave numbers (poles, slots, gear teeth) are entries of their own.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;

@@ -35,13 +35,13 @@ pub struct Definition {
     pub confused_with: &'static [&'static str],
     /// What a controller can do about it; `None` if it cannot compensate it.
     pub compensation: Option<&'static str>,
-    /// Catalogue names of the effects that this one becomes with certain parameters, or in a limit. Where such an effect
-    /// does as well, it is the one to name.
+    /// Catalogue names of the effects that this one becomes with certain parameters, or in a limit. Where such an
+    /// effect does as well, it is the one to name.
     pub generalises: &'static [&'static str],
     /// Effects that cannot stand beside it in one model; each of them says the same of this one.
     pub excludes: &'static [Relation],
-    /// Effects that look like what remains when this one is in the model, as its law idealises something: to name one of
-    /// them beside it takes other evidence than the simulation's.
+    /// Effects that look like what remains when this one is in the model, as its law idealises something: to name one
+    /// of them beside it takes other evidence than the simulation's.
     pub residue: &'static [Relation],
     /// Whether several of it may stand in one model, with wave numbers of their own.
     pub repeats: bool,

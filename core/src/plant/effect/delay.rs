@@ -1,4 +1,4 @@
-//! The drive acts later than it is logged.
+//! The drive acts later than the recording says.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
@@ -29,7 +29,7 @@ impl Law for Delay {
         if p[0] <= R::ZERO {
             return at.u;
         }
-        // The sub-step, shifted back by τ, covers parts of held samples: the mean of u over it is exact.
+        // The sub-step, shifted back by τ, covers parts of held samples. The mean of u over it is exact.
         let from = R::from_f64(past.from_s) - p[0];
         let to = from + R::from_f64(h);
         let first = libm::floor(from.to_f64() / past.ts);

@@ -1,4 +1,4 @@
-//! First-order rise of the current.
+//! The current follows the voltage with a first-order lag.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;

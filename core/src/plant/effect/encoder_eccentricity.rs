@@ -1,4 +1,4 @@
-//! The scale is off its centre: the reading errs once per turn; x in radians.
+//! The encoder's scale is off its centre, so the reading errs once per turn. The position x is in radians.
 
 use super::{ActsIn, Definition, Law, Parameter, Role};
 use crate::scalar::Real;

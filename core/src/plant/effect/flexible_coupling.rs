@@ -1,4 +1,4 @@
-//! A second inertia behind a shaft or a belt that gives. The encoder is on the motor side.
+//! A second inertia hangs on a shaft or a belt that gives. The encoder is on the motor side.
 
 use super::backlash::ONE_SECOND_BODY;
 use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Relation, Role, Scale, Search};
@@ -38,7 +38,7 @@ impl Law for FlexibleCoupling {
     }
 
     fn mechanics<R: Real>(p: &[R], base: &Base<R>, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
-        // memory: position and velocity of the load; midpoint rule.
+        // The memory holds the load's position and velocity; they advance by the midpoint rule.
         let half = 0.5 * h;
         let damping = (p[2] * p[1]).scale(2.0);
         let y_mid = memory[0] + memory[1].scale(half);

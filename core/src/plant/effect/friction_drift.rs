@@ -1,4 +1,4 @@
-//! Coulomb friction that changes over the session as grease warms up.
+//! Coulomb friction changes over the session as the grease warms up.
 
 use super::{ActsIn, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;

@@ -1,4 +1,4 @@
-//! The gain of drive and motor falls as they warm up, or the battery empties.
+//! The gain of drive and motor falls as they warm up, or as the battery empties.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role};
 use crate::scalar::Real;

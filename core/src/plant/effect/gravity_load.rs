@@ -1,4 +1,4 @@
-//! An unbalanced mass on a rotary axis; x in radians.
+//! An unbalanced mass turns with a rotary axis. The position x is in radians.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;

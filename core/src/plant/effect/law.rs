@@ -15,8 +15,8 @@ pub struct Instant<R> {
     pub v: R,
     /// Drive as it reaches the motor, after the drive-path effects, drive units.
     pub u: R,
-    /// Duration around the instant, s, over which a mean is asked for: a ripple that passes within it averages out. 0 for
-    /// the instant itself.
+    /// Duration around the instant, s, over which a mean is asked for, since a ripple that passes within it averages
+    /// out. 0 for the instant itself.
     pub over_s: f64,
 }
 
@@ -32,7 +32,7 @@ impl<R: Real> Instant<R> {
     }
 }
 
-/// Below this half angle the mean of a ripple is taken from its series; what is left out is 2e-5.
+/// Below this half angle the mean of a ripple comes from its series, which leaves out 2e-5.
 const SMALL_ANGLE: f64 = 0.2;
 
 /// The applied drive and its past, zero-order held.
@@ -58,9 +58,9 @@ pub trait Law {
     /// Name, equation, parameters, evidence.
     const DEFINITION: Definition;
 
-    /// D: where along the drive's path the effect acts, whatever its place in the model: the lower before the higher. The
-    /// computer's delay is first (it reads the samples), then the amplifier (its gain, limit, dead zone, dead time), and the
-    /// winding's lag is last.
+    /// D: where along the drive's path the effect acts, whatever its place in the model; the lower acts before the
+    /// higher. The computer's delay is first, since it reads the samples. The amplifier follows with its gain, limit,
+    /// dead zone and dead time. The winding's lag is last.
     const ALONG_THE_DRIVE: u8 = 0;
     /// D: mean drive over the sub-step `h` from the mean drive `at.u` handed on by the effects before it.
     fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
@@ -87,14 +87,14 @@ pub trait Law {
     fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: &Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
         R::ZERO
     }
-    /// Whether the effect remembers: its memory must be brought up to date before a segment.
+    /// Whether the effect has a memory, which must be brought up to date before a segment.
     const REMEMBERS: bool = false;
-    /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
-    /// and velocity of a second body. At most 2.
+    /// How many numbers of the memory, from the first, a fit has to find at the start of a segment: the bristle, or the
+    /// position and velocity of a second body. At most 2.
     const FREE_MEMORY: usize = 0;
-    /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
+    /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients cannot find it.
     const THRESHOLD: bool = false;
-    /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
+    /// M: whether bristles carry the friction (presliding) in place of the Coulomb law.
     const BRISTLES: bool = false;
     /// M: mean bristle force over a sub-step (opposing motion when positive with v) at friction level `level`.
     fn bristle<R: Real>(_p: &[R], _level: R, _v: R, _memory: &mut Memory<R>, _h: f64) -> R {
@@ -106,8 +106,8 @@ pub trait Law {
     fn at_rest<R: Real>(_p: &[R], _x: R) -> Memory<R> {
         [R::ZERO; 3]
     }
-    /// M: the memory at the start of a segment, where the motor is at `x` and the free memory is `more` than what the motion
-    /// before says.
+    /// M: the memory at the start of a segment, where the motor is at `x`. The free memory is what the motion before
+    /// says, and `more`.
     fn displaced<R: Real>(_p: &[R], _x: R, more: [R; 2], memory: &mut Memory<R>) {
         memory[0] += more[0];
         memory[1] += more[1];
@@ -116,16 +116,16 @@ pub trait Law {
     fn sensor<R: Real>(_p: &[R], _x: R) -> R {
         R::ZERO
     }
-    /// What a controller does about the effect; `None` if it cannot compensate it, as
-    /// [`Definition::compensation`] says in words.
+    /// What a controller does about the effect; `None` if it cannot compensate it. [`Definition::compensation`] says
+    /// the same in words.
     fn compensation<R: Real>(_p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         None
     }
-    /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
-    /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant. Below
-    /// `MAX_SUB_STEPS`, from where dynamics count as not resolved: those two take one fewer.
+    /// Least sub-steps of a sample period; more than 1 where the motion within a sample tells the effect from
+    /// another. In one step a delay and a lag of the same time constant move the motor alike, so they take 7. From
+    /// `MAX_SUB_STEPS` on, dynamics count as not resolved.
     const SUB_STEPS: usize = 1;
-    /// Highest natural frequency the effect adds, rad/s: sets the sub-step.
+    /// Highest natural frequency that the effect adds, rad/s. It sets the sub-step.
     fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
         0.0
     }

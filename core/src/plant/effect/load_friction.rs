@@ -1,4 +1,4 @@
-//! Friction that grows with the transmitted force: gears, worm and ball screws.
+//! Friction grows with the transmitted force, as in gears, worm drives and ball screws.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;

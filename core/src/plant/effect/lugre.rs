@@ -1,4 +1,4 @@
-//! Bristles with damping and a Stribeck curve.
+//! Bristles with damping carry the friction, and their level follows a Stribeck curve.
 
 use super::dahl::{BRISTLES_AT_REST, ONE_BRISTLE};
 use super::{ActsIn, Dahl, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};

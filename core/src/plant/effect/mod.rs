@@ -97,8 +97,8 @@ macro_rules! catalogue {
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
-            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the motor;
-            /// `None` for an effect without one.
+            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the
+            /// motor; `None` for an effect without one.
             pub const fn gap(self) -> Option<usize> {
                 match self { $(Self::$law => const { <$law as Law>::DEFINITION.gap() },)* }
             }

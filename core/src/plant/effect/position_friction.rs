@@ -1,4 +1,5 @@
-//! Coulomb friction modulated along the travel, e.g. a bent shaft. Unlike cogging it changes sign with the velocity.
+//! Coulomb friction varies along the travel, for example on a bent shaft. Unlike cogging, this force changes its sign
+//! with the velocity.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;

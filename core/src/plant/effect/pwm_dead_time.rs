@@ -1,4 +1,4 @@
-//! A bridge loses the dead time against the direction of the current.
+//! A bridge loses voltage in its dead time, against the direction of the current.
 
 use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
@@ -35,7 +35,8 @@ impl Law for PwmDeadTime {
     }
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
-        // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
+        // The map from i to i − d·sat(i/i0) is invertible for i0 > d. For smaller i0 the slope of the inverse stays
+        // below 1 + 10·d/i0.
         let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
     }

@@ -1,4 +1,4 @@
-//! Drag of a fan, a propeller or a turbulent film.
+//! A fan, a propeller or a turbulent film brakes with the square of the speed.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;

@@ -1,4 +1,4 @@
-//! The drive clips.
+//! The drive is limited to ±u_max.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;

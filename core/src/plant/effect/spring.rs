@@ -1,4 +1,4 @@
-//! A spring, a hose or a cable chain.
+//! A spring, a hose or a cable chain pulls the axis to a rest position.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;

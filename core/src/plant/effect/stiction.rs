@@ -1,4 +1,4 @@
-//! A higher level at rest than in the slowest sliding.
+//! The friction level at rest is higher than in the slowest sliding.
 
 use super::dahl::BRISTLES_AT_REST;
 use super::{ActsIn, Definition, Law, Parameter, Relation, Role, Scale, Search};

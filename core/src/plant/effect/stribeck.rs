@@ -1,4 +1,4 @@
-//! Friction that falls with speed: boundary to mixed lubrication. The exponent is a refinement; 2 is the usual form.
+//! Friction falls with speed, from boundary to mixed lubrication. The exponent is a refinement; its usual value is 2.
 
 use super::lugre::HAS_THE_CURVE;
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Relation, Role, Scale, Search};

@@ -1,4 +1,4 @@
-//! A force periodic in time: a fan, another machine on the same frame.
+//! A force is periodic in time: a fan, or another machine on the same frame, shakes the axis.
 
 use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::scalar::Real;
