@@ -152,7 +152,7 @@ impl<R: Fast> Compensator<R> {
 
     /// The effects of `effects` that this compensator leaves out, as the catalogue has no compensation for them.
     pub fn leaves_out(effects: &[Effect<f64>]) -> impl Iterator<Item = Kind> + '_ {
-        effects.iter().map(|effect| effect.kind).filter(|kind| !kind.compensated())
+        effects.iter().map(|effect| effect.kind).filter(|kind| kind.definition().compensation.is_none())
     }
 
     fn terms(&self) -> impl Iterator<Item = &Term<R>> {

@@ -160,3 +160,21 @@ fn a_delay_and_a_lag_within_a_sample_differ() {
     let apart = (x_lag - x_delay) / (0.5 * acceleration * tau * tau);
     assert!((apart - 1.0).abs() < 0.1, "{apart}");
 }
+
+/// Ripples of several wave numbers add up, each by its own: to rounding. Along an imposed motion nothing else acts.
+#[test]
+fn ripples_of_several_wave_numbers_add_up() {
+    let line = |n: f64, phi: f64| Effect::new(Kind::Cogging, &[0.1, n, phi]);
+    let lines = [line(7.0, 0.5), line(28.0, -1.0), line(14.0, 2.0), line(12.0, 0.0)];
+    let force = |effects: &[Effect<f64>], x: f64| {
+        let plant = Plant { base: BASE, effects };
+        let mut state = plant.at_rest(x);
+        plant.effect_force(&mut state, Drive { u: &[0.4], ts: H, t: 0.0 }, x, 1.3, 0.0)
+    };
+    for x in (-30..30).map(|i| 0.11 * f64::from(i)) {
+        let each: f64 = lines.iter().map(|line| force(&[*line], x)).sum();
+        assert!((force(&lines, x) - each).abs() < 1e-14, "{x}");
+    }
+    let both = driven(&lines[..2]);
+    assert!((0..2).all(|i| driven(&lines[i..=i]) != both));
+}

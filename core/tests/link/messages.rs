@@ -165,6 +165,20 @@ fn models_carry_effects_and_refuse_what_is_out_of_range() {
     assert_eq!(short.validate(), Err(CommandError::Range(Field::EffectParameters)));
 }
 
+/// As many effects of one kind as a model holds travel as they are, each with its own parameters.
+#[test]
+fn an_effect_may_stand_several_times_in_a_model() {
+    let lines = [7.0_f32, 28.0, 14.0, 12.0, 72.0, 1.5].map(|n| Effect::new(Kind::Cogging, &[0.1, n, 0.3]));
+    let sent = Model { effects: lines.iter().map(WireEffect::new).collect(), ..examples::model() };
+    let mut bytes = [0; MAX_MESSAGE];
+    let bytes = postcard::to_slice(&Command::LoadModel(sent), &mut bytes).unwrap();
+    let Command::LoadModel(model) = postcard::from_bytes(bytes).unwrap() else { panic!("another command") };
+    assert_eq!(Command::LoadModel(model.clone()).validate(), Ok(()));
+    for (index, line) in lines.iter().enumerate() {
+        assert_eq!(model.effect::<f32>(index), Some(Ok(*line)));
+    }
+}
+
 #[test]
 fn the_limits_of_the_catalogue_survive_single_precision() {
     for kind in Kind::ALL {

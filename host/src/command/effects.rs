@@ -1,15 +1,19 @@
 //! `breakaway effects`: the catalogue.
 
+mod page;
+
 use std::fmt::Write as _;
 
 use breakaway_core::plant::Kind;
-use breakaway_core::plant::effect::{ActsIn, Definition, Parameter};
+use breakaway_core::plant::effect::{ActsIn, Definition, Parameter, Relation};
 use serde::Serialize;
 
 use super::UsageError;
 use super::output::Output;
 use crate::model::{known_effects, range};
 use crate::nearest::{did_you_mean, nearest};
+
+pub use page::page;
 
 /// The catalogue of effects: law, parameters, what shows each, what it is confused with
 #[derive(clap::Args, Debug)]
@@ -18,7 +22,8 @@ use crate::nearest::{did_you_mean, nearest};
   breakaway effects stribeck
 
 Units have U for the drive's and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
-(symbol, role, unit, meaning, min, max, default), shown_by, confused_with, compensation (null where there is none).")]
+(symbol, role, unit, meaning, min, max, default), shown_by, confused_with, generalises, excludes and residue (lists of
+name and why), repeats, needs_angle, phase_per_recording, shared_clock, compensation (null where there is none).")]
 pub struct Args {
     /// One effect, by its name in the catalogue; all of them without it
     #[arg(value_name = "NAME")]
@@ -32,6 +37,7 @@ struct Document {
 }
 
 #[derive(Debug, Serialize)]
+#[allow(clippy::struct_excessive_bools, reason = "as the definition has them")]
 struct Entry {
     name: &'static str,
     title: &'static str,
@@ -40,9 +46,22 @@ struct Entry {
     parameters: Vec<Quantity>,
     shown_by: &'static str,
     confused_with: &'static [&'static str],
+    generalises: &'static [&'static str],
+    excludes: Vec<Beside>,
+    residue: Vec<Beside>,
+    repeats: bool,
+    needs_angle: bool,
+    phase_per_recording: bool,
+    shared_clock: bool,
     compensation: Option<&'static str>,
     #[serde(skip)]
     definition: &'static Definition,
+}
+
+#[derive(Debug, Serialize)]
+struct Beside {
+    name: &'static str,
+    why: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -70,6 +89,9 @@ impl From<&'static Definition> for Entry {
                 default: p.default,
             }
         };
+        let beside = |relations: &[Relation]| -> Vec<Beside> {
+            relations.iter().map(|&Relation { name, why }| Beside { name, why }).collect()
+        };
         Self {
             name: definition.name,
             title: definition.title,
@@ -83,6 +105,13 @@ impl From<&'static Definition> for Entry {
             parameters: definition.parameters.iter().map(quantity).collect(),
             shown_by: definition.shown_by,
             confused_with: definition.confused_with,
+            generalises: definition.generalises,
+            excludes: beside(definition.excludes),
+            residue: beside(definition.residue),
+            repeats: definition.repeats,
+            needs_angle: definition.needs_angle,
+            phase_per_recording: definition.phase_per_recording,
+            shared_clock: definition.shared_clock,
             compensation: definition.compensation,
             definition,
         }
@@ -131,7 +160,7 @@ fn one(definition: &Definition) -> String {
     text
 }
 
-fn topics(definition: &Definition) -> [(&'static str, String); 5] {
+fn topics(definition: &Definition) -> Vec<(&'static str, String)> {
     let confused = match definition.confused_with {
         [] => "nothing in the catalogue".to_owned(),
         names => names.join(", "),
@@ -142,13 +171,45 @@ fn topics(definition: &Definition) -> [(&'static str, String); 5] {
         ActsIn::Mechanics => "mechanics with a state of its own",
         ActsIn::Sensor => "the sensor, between the true and the measured position",
     };
-    [
+    let mut topics = vec![
         ("law", definition.law.to_owned()),
         ("acts in", place.to_owned()),
         ("shown by", definition.shown_by.to_owned()),
         ("confused with", confused),
-        ("compensation", definition.compensation.unwrap_or("none: a controller cannot cancel it").to_owned()),
-    ]
+    ];
+    if !definition.generalises.is_empty() {
+        topics.push(("generalises", definition.generalises.join(", ")));
+    }
+    if !definition.excludes.is_empty() {
+        topics.push(("excludes", reasons(definition.excludes)));
+    }
+    if !definition.residue.is_empty() {
+        topics.push(("leaves", format!("what looks like {}", reasons(definition.residue))));
+    }
+    let needs = [
+        (definition.needs_angle, "needs", "the position as an angle in radians"),
+        (
+            definition.phase_per_recording,
+            "phase",
+            "belongs to the encoder's zero, which may differ from recording to recording",
+        ),
+        (definition.shared_clock, "clock", "the recordings must share one"),
+        (definition.repeats, "repeats", "a model may have several, each with a wave number of its own"),
+    ];
+    topics.extend(needs.into_iter().filter(|(applies, ..)| *applies).map(|(_, topic, text)| (topic, text.to_owned())));
+    let compensation = definition.compensation.unwrap_or("none, since a controller cannot cancel it");
+    topics.push(("compensation", compensation.to_owned()));
+    topics
+}
+
+/// The names with their reasons; names that follow each other for the same reason share it.
+fn reasons(relations: &[Relation]) -> String {
+    let groups = relations.chunk_by(|a, b| a.why == b.why);
+    let said = groups.map(|group| {
+        let names: Vec<&str> = group.iter().map(|relation| relation.name).collect();
+        format!("{} ({})", names.join(", "), group.first().map_or("", |relation| relation.why))
+    });
+    said.collect::<Vec<_>>().join("; ")
 }
 
 /// Symbol, unit, meaning, range.
@@ -158,43 +219,4 @@ fn row(parameter: &Parameter) -> [String; 4] {
         let _ = write!(range, " (if left out: {default})");
     }
     [parameter.symbol.to_owned(), parameter.unit.to_owned(), parameter.meaning.to_owned(), range]
-}
-
-/// The effects of the drive, in the order in which they act.
-fn along_the_drive() -> Vec<&'static str> {
-    let mut drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
-    drive.sort_by_key(|kind| kind.along_the_drive());
-    drive.iter().map(|kind| kind.name()).collect()
-}
-
-/// The catalogue as a page of documentation: `docs/effects.md`.
-pub fn page() -> String {
-    let mut text = "# The effects\n\n\
-        The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`; effects are named terms on top of it. A law is given as it is added \
-        to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured position. In units, `U` is \
-        the drive's unit and `X` the position's.\n\n\
-        Each is named in a model file as `[[effect]]` with `name` and its parameters by symbol. This page is generated \
-        from the definitions in `core/src/plant/effect`; `breakaway effects NAME` prints the same.\n\n"
-        .to_owned();
-    let _ = writeln!(
-        text,
-        "Effects of the drive act one after the other, in this order whatever theirs in the file: {}.\n",
-        along_the_drive().join(", ")
-    );
-    for definition in known_effects() {
-        let _ = writeln!(text, "- [{}](#{})", definition.title, definition.name);
-    }
-    for definition in known_effects() {
-        let _ = writeln!(text, "\n## {}\n\n{}\n", definition.name, definition.title);
-        for (topic, saying) in topics(definition) {
-            let tick = if topic == "law" { "`" } else { "" };
-            let _ = writeln!(text, "- {topic}: {tick}{saying}{tick}");
-        }
-        text.push_str("\n| symbol | unit | meaning | range |\n|---|---|---|---|\n");
-        for parameter in definition.parameters {
-            let [symbol, unit, meaning, range] = row(parameter);
-            let _ = writeln!(text, "| `{symbol}` | {unit} | {meaning} | {range} |");
-        }
-    }
-    text
 }

@@ -8,7 +8,7 @@ use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
-use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Verdict};
+use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::ranking::parameters;
 use super::refit;
 use crate::identify::shooting::{Candidate, Fit, Free, SCORE_ITERATIONS};
@@ -46,6 +46,13 @@ pub(super) fn found(
     if !ruling.findings.is_empty() {
         ladder.push(rung(data, &fit));
     }
+    if let Some(reason) = contradicted(ruling, &ladder) {
+        remarks.push(reason);
+        let doubted = Ruling { findings: Vec::new(), ..ruling.clone() };
+        let mut found = self::found(request, units, &doubted, progress)?;
+        found.remarks.extend(remarks);
+        return Ok(Discovery { verdict: Verdict::Unknown, ..found });
+    }
     let ended = Ended {
         verdict: verdict(ruling),
         named: named.collect(),
@@ -59,6 +66,26 @@ pub(super) fn found(
     };
     Ok(assembled(request, &start, units, ended, progress))
 }
+
+/// Why names that the measured forces bear out are not given all the same: the simulated motion is no better with them. Where a force
+/// repeats over position it has no say, for the simulated rotor is soon off by one tooth.
+fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
+    let others: Vec<&str> = ruling
+        .findings
+        .iter()
+        .map(|finding| finding.effect.kind)
+        .filter(|kind| !kind.periodic_in_position())
+        .map(breakaway_core::plant::Kind::name)
+        .collect();
+    let (first, last) = (ladder.first()?, ladder.last()?);
+    let better = last.holdout_rmse < BETTER * first.holdout_rmse || last.holdout_open_loop_rmse < BETTER * first.holdout_open_loop_rmse;
+    (!others.is_empty() && !better).then(|| {
+        format!("the measured forces speak for {}, and the simulated motion does not: not named", others.join(" and "))
+    })
+}
+
+/// Share of the held-out simulation error that names must leave below.
+const BETTER: f64 = 0.95;
 
 /// The measured forces of a ruling, as the report shows them.
 pub(super) fn force(ruling: &Ruling) -> Force {

@@ -21,11 +21,14 @@ use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
 use crate::identify::track::Track;
 use crate::recording::{Recording, Units};
 
-/// Held-out simulation error over the sensor's noise from which a machine is rough: it moves by more than that noise for reasons of
-/// its own, and no effect brings it down to it. Of the hidden plant's machines without random torque none is above 80 with what is
-/// named, of the real ones none is below 200; where it is in between only time is lost.
+/// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
+/// effect brings it down to it.
 const ROUGH: f64 = 150.0;
-/// The same below which a model that the simulated motion found is believed, though something is left.
+/// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
+/// windows and nothing predicts it with a z over blocks of more than the last.
+const SHAKEN: [f64; 3] = [5.0, 5.0, 4.5];
+/// Held-out simulation error over the sensor's noise below which a model that the simulated motion found is believed, though
+/// something is left.
 const NEAR: f64 = 1.5;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
@@ -106,7 +109,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let ruling = ruling.map(|ruling| ruling.beside(known));
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = match by_force {
-        Some(Ok(by_force)) if by_force.over_noise() > ROUGH => by_force,
+        Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
         Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
             Ok(small) if small.down_to_the_noise() || small.over_noise() < NEAR.min(by_force.over_noise()) => small,
             _ => by_force,
@@ -116,6 +119,19 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();
     Ok(found)
+}
+
+/// Whether the simulated motion can tell no more than the measured forces: the machine is shaken by more than its sensor's noise, or
+/// what was found repeats over position, where a simulated rotor is soon off by a tooth.
+fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
+    let [simulated, left, z] = SHAKEN;
+    let remainder = &ruling.remainder;
+    let shaken = found.over_noise() < simulated
+        && remainder.over_noise > left
+        && remainder.predictable.is_none()
+        && remainder.significance < z;
+    let ripples = !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
+    shaken || ripples || found.over_noise() > ROUGH
 }
 
 /// Radians in a position unit; `None` where the position is no angle.

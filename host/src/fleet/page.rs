@@ -1,6 +1,6 @@
 //! The page over all machines: which machine misses what, with links to the machines' reports.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::row::Row;
@@ -72,7 +72,8 @@ fn machines(rows: &[Row]) -> String {
 fn by_effect(rows: &[Row]) -> String {
     let mut machines = BTreeMap::<&str, Vec<&str>>::new();
     for row in rows {
-        for effect in &row.effects {
+        // A machine with several lines of cogging is one machine with cogging.
+        for effect in row.effects.iter().map(String::as_str).collect::<BTreeSet<_>>() {
             machines.entry(effect).or_default().push(&row.machine);
         }
     }
@@ -105,6 +106,19 @@ fn in_address(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One machine of two, though it has the effect twice.
+    #[test]
+    fn a_machine_counts_once_for_an_effect() {
+        let row = |machine: &str, effects: &[&str]| Row {
+            machine: machine.into(),
+            verdict: Some("explained".into()),
+            effects: effects.iter().map(|&effect| effect.into()).collect(),
+            ..Row::default()
+        };
+        let table = by_effect(&[row("a", &["cogging", "cogging"]), row("b", &["stribeck"])]);
+        assert!(table.contains("cogging") && !table.contains("a, a") && !table.contains(">2<"), "{table}");
+    }
 
     #[test]
     fn a_link_survives_any_folder_name() {

@@ -258,16 +258,19 @@ fn the_catalogue_is_printed_whole_or_by_name() {
     let effects = all["effects"].as_array().unwrap();
     assert_eq!(effects.len(), breakaway_core::plant::Kind::ALL.len());
     let one = json(folder.path(), &["effects", "stribeck"]);
-    assert_eq!(
-        keys(&one["effects"][0]),
-        ["acts_in", "compensation", "confused_with", "law", "name", "parameters", "shown_by", "title"]
-    );
+    let own = ["acts_in", "compensation", "law", "name", "parameters", "shown_by", "title"];
+    let beside_others = ["confused_with", "excludes", "generalises", "repeats", "residue"];
+    let asks = ["needs_angle", "phase_per_recording", "shared_clock"];
+    let mut expected = [&own[..], &beside_others, &asks].concat();
+    expected.sort_unstable();
+    assert_eq!(keys(&one["effects"][0]), expected);
     assert!(effects.contains(&one["effects"][0]));
     let parameter = &one["effects"][0]["parameters"][2];
-    assert_eq!(keys(parameter), ["default", "max", "meaning", "min", "symbol", "unit"]);
+    assert_eq!(keys(parameter), ["default", "max", "meaning", "min", "role", "symbol", "unit"]);
     assert_eq!((parameter["symbol"].as_str(), number(&parameter["default"])), (Some("p"), 2.0));
     let people = breakaway(folder.path(), &["effects", "stribeck"]);
-    for words in ["Stribeck", "confused with", "compensation", "0.5 to 4 (if left out: 2)"] {
+    let excludes = "lugre (LuGre friction contains the Stribeck curve)";
+    for words in ["Stribeck", "confused with", excludes, "compensation", "0.5 to 4 (if left out: 2)"] {
         assert!(text(&people.stdout).contains(words), "{words}: {}", text(&people.stdout));
     }
     let wrong = breakaway(folder.path(), &["effects", "stribek"]);

@@ -57,3 +57,15 @@ fn a_phase_of_many_turns_is_read() {
     assert_eq!(effect.p[..3], [-0.1, 7.0, 300.0]);
     assert_eq!(Model::parse("m.toml", &model.to_toml()).unwrap(), model);
 }
+
+/// Ripples of several wave numbers are several entries of one name; a file keeps each with its own numbers, in its order.
+#[test]
+fn an_effect_that_repeats_has_an_entry_for_each_line() {
+    let line = |n: f64| Effect::new(Kind::Cogging, &[0.01 * n, n, 0.5]);
+    let lines = [line(7.0), line(28.0), line(12.0)];
+    let mut model = Model::parse("m.toml", "[base]\nb = 1\nc = 1\nf1 = 1\n").unwrap();
+    model.effects = lines.iter().map(|line| EffectEntry::of(line, &[Some(1e-3)])).collect();
+    let again = Model::parse("m.toml", &model.to_toml()).unwrap();
+    assert_eq!(again, model);
+    assert_eq!(again.plant_effects().unwrap(), lines);
+}

@@ -149,6 +149,8 @@ impl Scored {
         let mut named = self.named.clone();
         hidden.sort_unstable();
         named.sort_unstable();
+        // Two lines of one ripple are one effect.
+        named.dedup();
         hidden == named
     }
     /// Whether something was named that is not hidden, even if the hidden effect is listed as tied with it.

@@ -52,7 +52,7 @@ fn needed(effects: &[Effect<f64>], x: f64, v: f64, a: f64) -> f64 {
 }
 
 proptest! {
-    /// The compensator's drive is what the catalogue's hooks need, for each effect and for three together, up to the cap
+    /// The compensator's drive is what the catalogue's hooks need, for each effect and for several together, up to the cap
     /// on friction (2 % of the break-away level) and the dead zone's ramp (outside ±0.25 V here).
     #[test]
     fn the_drive_is_the_models(x in -3.0..3.0_f64, v in 0.01..3.0_f64, backwards in any::<bool>(), a in -20.0..20.0_f64) {
@@ -60,6 +60,9 @@ proptest! {
         let mut sets: Vec<Vec<Effect<f64>>> =
             Kind::ALL.iter().filter(|k| k.definition().compensation.is_some()).map(|k| std::vec![effect(*k)]).collect();
         sets.push(std::vec![effect(Kind::Cogging), effect(Kind::Stribeck), effect(Kind::Spring)]);
+        // Lines of several wave numbers, not all of them harmonics of one.
+        let line = |n: f64| Effect::new(Kind::Cogging, &[0.1, n, 0.3 * n]);
+        sets.push(std::vec![line(7.0), line(28.0), line(14.0), line(12.0), effect(Kind::Stribeck)]);
         for effects in sets {
             let compensator = Compensator::<f64>::new(&BASE, &effects).unwrap().on();
             let reference = Setpoint { x, v, a };

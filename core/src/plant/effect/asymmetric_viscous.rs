@@ -15,11 +15,12 @@ impl Law for AsymmetricViscous {
         law: "−d·|v|",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new(Role::Damping, "d", "half the difference of viscous friction between the directions", -1e9, 1e9),
+            Parameter::new(Role::Damping, "d", "half the difference of c between the directions", -1e9, 1e9),
         ],
         shown_by: "both directions at several speeds",
         confused_with: &["constant_load"],
         compensation: Some("feed-forward d·|v|"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

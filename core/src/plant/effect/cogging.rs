@@ -1,4 +1,5 @@
-//! Attraction of the magnets to the slots. The second harmonic is a refinement.
+//! The magnets attract the slots: a force that is periodic in the position. The second harmonic is a refinement.
+//! Lines of other wave numbers (poles, slots, gear teeth) are entries of their own.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;
@@ -16,7 +17,8 @@ impl Law for Cogging {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Amplitude, "A", "amplitude", -1e9, 1e9),
-            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::Position)),
+            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9)
+                .search(Search::Spectrum(Over::Position)),
             Parameter::phase("phi", 0, "phase"),
             Parameter::new(Role::Amplitude, "A2", "amplitude of the second harmonic", -1e9, 1e9).refinement(0.0),
             Parameter::phase("phi2", 3, "phase of the second harmonic").refinement(0.0),
@@ -24,6 +26,10 @@ impl Law for Cogging {
         shown_by: "long travel at low speed",
         confused_with: &["encoder_eccentricity", "time_periodic", "position_friction", "gravity_load"],
         compensation: Some("feed-forward along the reference"),
+        generalises: &["gravity_load", "constant_load"],
+        repeats: true,
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -1,4 +1,4 @@
-//! A bias in the balance of forces. On one axis it is the same effect as direction-asymmetric Coulomb friction.
+//! A constant force. On one axis it is the same effect as Coulomb friction that differs between the directions.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
@@ -20,6 +20,7 @@ impl Law for ConstantLoad {
         shown_by: "any record with motion in both directions",
         confused_with: &[],
         compensation: Some("feed-forward f0"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], _at: &Instant<R>) -> R {

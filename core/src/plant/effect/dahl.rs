@@ -1,8 +1,13 @@
-//! Below break-away the contact is a spring: friction builds up over a presliding distance f1/σ after every reversal.
+//! Below break-away the contact is a spring: friction builds up over the presliding distance f1/σ after every reversal.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
+
+/// Why no other law with bristles stands beside this one.
+pub(super) const ONE_BRISTLE: &str = "a model has at most one bristle state";
+/// Why a level at rest does not stand beside bristles.
+pub(super) const BRISTLES_AT_REST: &str = "bristles carry the friction at rest too, so a level at rest has no effect";
 
 /// Dahl presliding: `friction σ·z, ż = v·(1 − σ·z·sgn v / f1)`.
 #[derive(Clone, Copy, Debug)]
@@ -15,11 +20,17 @@ impl Law for Dahl {
         law: "friction σ·z, ż = v·(1 − σ·z·sgn v / f1)",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new(Role::Stiffness, "sigma", "bristle stiffness", 1e-9, 1e12).search(Search::Grid(Scale::Presliding, &[3.0, 10.0, 30.0, 100.0, 300.0])),
+            Parameter::new(Role::Stiffness, "sigma", "bristle stiffness", 1e-9, 1e12)
+                .search(Search::Grid(Scale::Presliding, &[3.0, 10.0, 30.0, 100.0, 300.0])),
         ],
         shown_by: "reversals, below break-away",
         confused_with: &["lugre", "backlash", "flexible_coupling"],
         compensation: None,
+        excludes: &[
+            Relation { name: "lugre", why: ONE_BRISTLE },
+            Relation { name: "stiction", why: BRISTLES_AT_REST },
+        ],
+        ..Definition::PLAIN
     };
 
     const REMEMBERS: bool = true;
@@ -31,7 +42,7 @@ impl Law for Dahl {
         let limit = level / p[0] * v.sgn();
         let path = v.abs().scale(h);
         let ratio = path * p[0] / level.max(R::from_f64(1e-12));
-        // Exact for a constant v over the sub-step.
+        // The solution is exact for a constant v over the sub-step.
         let decay = (-ratio).exp();
         let from = memory[0];
         memory[0] = limit + (from - limit) * decay;

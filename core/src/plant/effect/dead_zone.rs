@@ -1,4 +1,5 @@
-//! The drive loses a constant part of every command. Where the drive never changes sign before the velocity does, it looks like Coulomb friction.
+//! The drive loses a constant part of every command. The loss looks like Coulomb friction where the drive never
+//! changes its sign before the velocity does.
 
 use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
@@ -15,11 +16,13 @@ impl Law for DeadZone {
         law: "u_a = u − d·sgn u, 0 for |u| < d",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9).search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
+            Parameter::new(Role::Threshold, "d", "half-width", 0.0, 1e9)
+                .search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
         ],
         shown_by: "small drive",
         confused_with: &["load_friction", "pwm_dead_time"],
         compensation: Some("inverse: u + d·sgn u"),
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 3;
@@ -29,8 +32,8 @@ impl Law for DeadZone {
     }
 
     fn compensation<R: Real>(p: &[R], base: &Base<R>) -> Option<Compensation<R>> {
-        // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. As long as the band is
-        // below the break-away force the axis rests there anyway.
+        // Within ±band the inverse is a ramp, or noise around zero would make the drive chatter by ±d. A band below the
+        // break-away force costs nothing, since the axis rests there anyway.
         let band = base.f1.scale(0.5).max(p[0].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadZone { loss: p[0], band })
     }

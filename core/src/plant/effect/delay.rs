@@ -1,4 +1,4 @@
-//! The drive acts later than it is logged.
+//! The drive acts later than the recording says.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
@@ -14,11 +14,13 @@ impl Law for Delay {
         law: "u_a(t) = u(t − τ)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::Delay, "tau", "delay", 0.0, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
+            Parameter::new(Role::Delay, "tau", "delay", 0.0, 1.0)
+                .search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
         ],
         shown_by: "switching edges",
         confused_with: &["electrical_lag"],
         compensation: None,
+        ..Definition::PLAIN
     };
 
     const SUB_STEPS: usize = 7;
@@ -27,7 +29,7 @@ impl Law for Delay {
         if p[0] <= R::ZERO {
             return at.u;
         }
-        // The sub-step, shifted back by τ, covers parts of held samples: the mean of u over it is exact.
+        // The sub-step, shifted back by τ, covers parts of held samples. The mean of u over it is exact.
         let from = R::from_f64(past.from_s) - p[0];
         let to = from + R::from_f64(h);
         let first = libm::floor(from.to_f64() / past.ts);

@@ -1,4 +1,4 @@
-//! First-order rise of the current.
+//! The current follows the voltage with a first-order lag.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
@@ -14,11 +14,13 @@ impl Law for ElectricalLag {
         law: "τ·u̇_a = u − u_a",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::TimeConstant, "tau", "time constant L/R", 1e-9, 1.0).search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
+            Parameter::new(Role::TimeConstant, "tau", "time constant L/R", 1e-9, 1.0)
+                .search(Search::Grid(Scale::Unit, &[0.0002, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016])),
         ],
         shown_by: "switching edges",
         confused_with: &["delay"],
         compensation: None,
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 5;

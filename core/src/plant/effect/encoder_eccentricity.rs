@@ -1,4 +1,4 @@
-//! The scale is off its centre: the reading errs once per turn; x in radians.
+//! The encoder's scale is off its centre, so the reading errs once per turn. The position x is in radians.
 
 use super::{ActsIn, Definition, Law, Parameter, Role};
 use crate::scalar::Real;
@@ -20,6 +20,9 @@ impl Law for EncoderEccentricity {
         shown_by: "long travel at high speed",
         confused_with: &["cogging", "gravity_load"],
         compensation: None,
+        needs_angle: true,
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn sensor<R: Real>(p: &[R], x: R) -> R {

@@ -1,6 +1,7 @@
-//! A second inertia behind a shaft or a belt that gives. The encoder is on the motor side.
+//! A second inertia hangs on a shaft or a belt that gives. The encoder is on the motor side.
 
-use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::backlash::ONE_SECOND_BODY;
+use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -15,13 +16,18 @@ impl Law for FlexibleCoupling {
         law: "load μ·b behind spring and damper: ÿ = ωr²·(x − y) + 2ζ·ωr·(ẋ − ẏ)",
         acts_in: ActsIn::Mechanics,
         parameters: &[
-            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98).search(Search::Grid(Scale::Unit, &[0.06])),
-            Parameter::new(Role::NaturalFrequency, "omega_r", "anti-resonance (load against a fixed motor)", 1.0, 1e5).search(Search::Resonance(40.0, 480.0)),
-            Parameter::new(Role::DampingRatio, "zeta", "damping ratio", 0.0, 2.0).search(Search::Grid(Scale::Unit, &[0.06])),
+            Parameter::new(Role::InertiaShare, "mu", "load share of the inertia b", 0.0, 0.98)
+                .search(Search::Grid(Scale::Unit, &[0.06])),
+            Parameter::new(Role::NaturalFrequency, "omega_r", "anti-resonance (load against a fixed motor)", 1.0, 1e5)
+                .search(Search::Resonance(40.0, 480.0)),
+            Parameter::new(Role::DampingRatio, "zeta", "damping ratio", 0.0, 2.0)
+                .search(Search::Grid(Scale::Unit, &[0.06])),
         ],
         shown_by: "multisine above the resonance",
         confused_with: &["backlash", "inertia_step", "dahl"],
         compensation: None,
+        excludes: &[Relation { name: "backlash", why: ONE_SECOND_BODY }],
+        ..Definition::PLAIN
     };
 
     const REMEMBERS: bool = true;
@@ -32,7 +38,7 @@ impl Law for FlexibleCoupling {
     }
 
     fn mechanics<R: Real>(p: &[R], base: &Base<R>, mid: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
-        // memory: position and velocity of the load; midpoint rule.
+        // The memory holds the load's position and velocity; they advance by the midpoint rule.
         let half = 0.5 * h;
         let damping = (p[2] * p[1]).scale(2.0);
         let y_mid = memory[0] + memory[1].scale(half);

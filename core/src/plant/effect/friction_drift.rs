@@ -1,4 +1,4 @@
-//! Coulomb friction that changes over the session as grease warms up.
+//! Coulomb friction changes over the session as the grease warms up.
 
 use super::{ActsIn, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
@@ -16,11 +16,14 @@ impl Law for FrictionDrift {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Level, "s", "extra friction when cold", -1e9, 1e9),
-            Parameter::new(Role::TimeConstant, "T", "time constant of the warm-up", 1e-3, 1e7).search(Search::Grid(Scale::Session, &[0.1, 0.2, 0.4, 0.8])),
+            Parameter::new(Role::TimeConstant, "T", "time constant of the warm-up", 1e-3, 1e7)
+                .search(Search::Grid(Scale::Session, &[0.1, 0.2, 0.4, 0.8])),
         ],
         shown_by: "long sessions",
         confused_with: &["gain_drift"],
         compensation: None,
+        shared_clock: true,
+        ..Definition::PLAIN
     };
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {

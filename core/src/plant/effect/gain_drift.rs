@@ -1,4 +1,4 @@
-//! The gain of drive and motor falls as they warm up, or the battery empties.
+//! The gain of drive and motor falls as they warm up, or as the battery empties.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role};
 use crate::scalar::Real;
@@ -19,6 +19,8 @@ impl Law for GainDrift {
         shown_by: "long sessions",
         confused_with: &["friction_drift"],
         compensation: None,
+        shared_clock: true,
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 1;

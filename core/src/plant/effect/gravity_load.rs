@@ -1,4 +1,4 @@
-//! An unbalanced mass on a rotary axis; x in radians.
+//! An unbalanced mass turns with a rotary axis. The position x is in radians.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
@@ -21,6 +21,9 @@ impl Law for GravityLoad {
         shown_by: "large angles",
         confused_with: &["cogging"],
         compensation: Some("feed-forward along the reference"),
+        needs_angle: true,
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -3,8 +3,6 @@
 use super::{Kind, MAX_PARAMETERS};
 
 const KINDS: usize = Kind::ALL.len();
-/// As many as [`COMPENSATED`] has bits.
-const _: () = assert!(KINDS <= 32);
 
 /// Where the ranges of each effect start in [`RANGES`]; the next one's start is its end.
 static STARTS: [u8; KINDS + 1] = starts();
@@ -12,8 +10,6 @@ static STARTS: [u8; KINDS + 1] = starts();
 static RANGES: [[f32; 2]; STARTS_END] = ranges();
 /// FNV-1a of the catalogue names.
 static HASHES: [u32; KINDS] = hashes();
-/// Bit k: the effect k can be compensated.
-const COMPENSATED: u32 = compensated();
 
 const STARTS_END: usize = starts()[KINDS] as usize;
 
@@ -55,17 +51,6 @@ const fn hashes() -> [u32; KINDS] {
     hashes
 }
 
-const fn compensated() -> u32 {
-    let (mut bits, mut kind) = (0, 0);
-    while kind < KINDS {
-        if Kind::ALL[kind].definition().compensation.is_some() {
-            bits |= 1 << kind;
-        }
-        kind += 1;
-    }
-    bits
-}
-
 impl Kind {
     /// Smallest and largest valid value of each parameter, in the order of the definition, rounded to f32.
     #[must_use]
@@ -86,12 +71,6 @@ impl Kind {
         let index = HASHES.iter().position(|known| *known == hash)?;
         Self::ALL.get(index).copied()
     }
-
-    /// Whether a controller can do something about it: [`Definition::compensation`](super::Definition::compensation).
-    #[must_use]
-    pub const fn compensated(self) -> bool {
-        COMPENSATED >> self as u32 & 1 == 1
-    }
 }
 
 #[cfg(test)]
@@ -105,7 +84,6 @@ mod tests {
             assert_eq!(*kind as usize, index);
             assert_eq!(Kind::from_name_hash(kind.name_hash()), Some(*kind));
             assert_eq!(kind.name_hash(), crate::fnv::fnv1a(definition.name.as_bytes()));
-            assert_eq!(kind.compensated(), definition.compensation.is_some());
             let limits = definition.parameters.iter().map(|parameter| [parameter.min as f32, parameter.max as f32]);
             assert!(limits.eq(kind.ranges().iter().copied()), "{}", definition.name);
         }

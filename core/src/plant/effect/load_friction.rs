@@ -1,4 +1,4 @@
-//! Friction that grows with the transmitted force: gears, worm and ball screws.
+//! Friction grows with the transmitted force, as in gears, worm drives and ball screws.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
@@ -20,6 +20,7 @@ impl Law for LoadFriction {
         shown_by: "several levels of drive",
         confused_with: &["dead_zone"],
         compensation: Some("feed-forward k·|u|"),
+        ..Definition::PLAIN
     };
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {

@@ -8,144 +8,19 @@
 mod canonical;
 mod compensation;
 mod definition;
+mod law;
 mod limits;
 mod parameter;
 mod role;
 
 pub use compensation::Compensation;
-pub use definition::{ActsIn, Definition};
+pub use definition::{ActsIn, Definition, Relation};
+pub use law::{Held, Instant, Law, Memory};
 pub use parameter::{MAX_PARAMETERS, Over, Parameter, Scale, Search};
 pub use role::Role;
 
 use super::base::Base;
 use crate::scalar::Real;
-
-/// What an effect may depend on, at one instant.
-#[derive(Clone, Copy, Debug)]
-pub struct Instant<R> {
-    /// Session time, s.
-    pub t: R,
-    /// Position, position units.
-    pub x: R,
-    /// Velocity, position units/s.
-    pub v: R,
-    /// Drive as it reaches the motor, after the drive-path effects, drive units.
-    pub u: R,
-    /// Duration around the instant, s, over which a mean is asked for: a ripple that passes within it averages out. 0 for
-    /// the instant itself.
-    pub over_s: f64,
-}
-
-impl<R: Real> Instant<R> {
-    /// Mean of a ripple of wave number `n` in position, over its value in the middle: sin(a)/a with a = n·v·h/2.
-    #[must_use]
-    pub fn averaged(&self, n: R) -> R {
-        let a = (n * self.v).scale(0.5 * self.over_s);
-        if a.abs() < R::from_f64(SMALL_ANGLE) {
-            return R::ONE - (a * a).scale(1.0 / 6.0);
-        }
-        a.sin() / a
-    }
-}
-
-/// Below this half angle the mean of a ripple is taken from its series; what is left out is 2e-5.
-const SMALL_ANGLE: f64 = 0.2;
-
-/// The applied drive and its past, zero-order held.
-#[derive(Clone, Copy, Debug)]
-pub struct Held<'a> {
-    /// Drive samples up to and including the present one; never empty.
-    pub u: &'a [f64],
-    /// Sample period, s.
-    pub ts: f64,
-    /// Start of the present sub-step, s after the present sample.
-    pub from_s: f64,
-}
-
-/// Extra state of one effect: bristle, second inertia, filtered drive.
-pub type Memory<R> = [R; 3];
-
-/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and only
-/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` and
-/// `compensation` of any.
-///
-/// `p` holds the parameters in the order of [`Definition::parameters`].
-pub trait Law {
-    /// Name, equation, parameters, evidence.
-    const DEFINITION: Definition;
-
-    /// D: where along the drive's path the effect acts, whatever its place in the model: the lower before the higher. The
-    /// computer's delay is first (it reads the samples), then the amplifier (its gain, limit, dead zone, dead time), and the
-    /// winding's lag is last.
-    const ALONG_THE_DRIVE: u8 = 0;
-    /// D: mean drive over the sub-step `h` from the mean drive `at.u` handed on by the effects before it.
-    fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
-        at.u
-    }
-    /// F: force added to the right-hand side, in drive units.
-    fn force<R: Real>(_p: &[R], _at: &Instant<R>) -> R {
-        R::ZERO
-    }
-    /// F: added to the Coulomb level f1 while sliding, in drive units.
-    fn level<R: Real>(_p: &[R], _base: &Base<R>, _at: &Instant<R>) -> R {
-        R::ZERO
-    }
-    /// F: added to the sliding level at v = 0 to give the break-away level, in drive units.
-    fn breakaway<R: Real>(_p: &[R]) -> R {
-        R::ZERO
-    }
-    /// F: factor on the inertia b.
-    fn inertia<R: Real>(_p: &[R], _t: R, _memory: &Memory<R>) -> R {
-        R::ONE
-    }
-    /// M: mean reaction of the extra mechanics on the motor over a sub-step `h` in which the motor moves at
-    /// `mid.v` through `mid.x`; advances the memory.
-    fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: &Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
-        R::ZERO
-    }
-    /// Whether the effect remembers: its memory must be brought up to date before a segment.
-    const REMEMBERS: bool = false;
-    /// Numbers of the memory, from the first, that a fit has to find at the start of a segment: the bristle, or position
-    /// and velocity of a second body. At most 2.
-    const FREE_MEMORY: usize = 0;
-    /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients do not find it.
-    const THRESHOLD: bool = false;
-    /// M: whether friction is carried by bristles (presliding) in place of the Coulomb law.
-    const BRISTLES: bool = false;
-    /// M: mean bristle force over a sub-step (opposing motion when positive with v) at friction level `level`.
-    fn bristle<R: Real>(_p: &[R], _level: R, _v: R, _memory: &mut Memory<R>, _h: f64) -> R {
-        R::ZERO
-    }
-    /// M: impact at the end of a sub-step: may change velocity and position of the motor.
-    fn impact<R: Real>(_p: &[R], _x: &mut R, _v: &mut R, _memory: &mut Memory<R>, _h: f64) {}
-    /// M: the memory of a body at rest with the motor at position `x`.
-    fn at_rest<R: Real>(_p: &[R], _x: R) -> Memory<R> {
-        [R::ZERO; 3]
-    }
-    /// M: the memory at the start of a segment, where the motor is at `x` and the free memory is `more` than what the motion
-    /// before says.
-    fn displaced<R: Real>(_p: &[R], _x: R, more: [R; 2], memory: &mut Memory<R>) {
-        memory[0] += more[0];
-        memory[1] += more[1];
-    }
-    /// S: added to the position that the sensor reports.
-    fn sensor<R: Real>(_p: &[R], _x: R) -> R {
-        R::ZERO
-    }
-    /// What a controller does about the effect; `None` if it cannot compensate it, as
-    /// [`Definition::compensation`] says in words.
-    fn compensation<R: Real>(_p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
-        None
-    }
-    /// Least sub-steps of a sample period. More than one where what happens within a sample tells the effect from another: a mean
-    /// drive over the whole sample moves the motor as far for a delay as for a lag of the same time constant. Below
-    /// `MAX_SUB_STEPS`, from where dynamics count as not resolved: those two take one fewer.
-    const SUB_STEPS: usize = 1;
-    /// Highest natural frequency the effect adds, rad/s: sets the sub-step.
-    fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
-        0.0
-    }
-}
 
 /// One effect with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,12 +93,17 @@ macro_rules! catalogue {
             pub const fn threshold(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::THRESHOLD,)* }
             }
+            /// Whether the effect is a force, or a friction level, that repeats over position.
+            pub fn periodic_in_position(self) -> bool {
+                let along = |search| matches!(search, Search::Spectrum(Over::Position | Over::PositionAndDirection));
+                self.definition().parameters.iter().any(|parameter| along(parameter.search))
+            }
             /// Whether the effect has a memory that must be brought up to date.
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
-            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the motor;
-            /// `None` for an effect without one.
+            /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the
+            /// motor; `None` for an effect without one.
             pub const fn gap(self) -> Option<usize> {
                 match self { $(Self::$law => const { <$law as Law>::DEFINITION.gap() },)* }
             }
@@ -332,5 +212,16 @@ impl Kind {
     /// Its catalogue name.
     pub const fn name(self) -> &'static str {
         self.definition().name
+    }
+    /// Why `other` cannot stand beside it in one model; `None` if it can. See [`Definition::excludes`].
+    pub fn excludes(self, other: Self) -> Option<&'static str> {
+        if self == other {
+            return (!self.definition().repeats).then_some("a model has it once");
+        }
+        self.definition().excludes.iter().find(|relation| relation.name == other.name()).map(|relation| relation.why)
+    }
+    /// Whether `other` is this effect with certain parameters, or in a limit. See [`Definition::generalises`].
+    pub fn generalises(self, other: Self) -> bool {
+        self.definition().generalises.contains(&other.name())
     }
 }

@@ -10,16 +10,16 @@ pub const MAX_PARAMETERS: usize = 5;
 /// How a starting value of a parameter is found before it is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Search {
-    /// The force is proportional to it: solved for by least squares.
+    /// The force is proportional to it, so least squares gives it.
     Amplitude,
-    /// The phase of the amplitude before it: solved for together with it.
+    /// The phase of an amplitude, as its role says: least squares gives both together.
     Phase,
-    /// Wave number or angular frequency: from the spectrum of the residual force.
+    /// The spectrum of the residual force gives it: a wave number or an angular frequency.
     Spectrum(Over),
-    /// Tried at these multiples of a quantity of the recordings.
+    /// It is tried at these multiples of a quantity of the recordings.
     Grid(Scale, &'static [f64]),
-    /// Angular frequency of a body on a spring, rad/s: tried from the first to the second, as far apart as a segment tells
-    /// two of them.
+    /// It is the angular frequency of a body on a spring, rad/s, and is tried from the first to the second value, as
+    /// far apart as a segment tells two of them.
     Resonance(f64, f64),
 }
 
@@ -74,32 +74,32 @@ pub struct Parameter {
     pub min: f64,
     /// Largest valid value.
     pub max: f64,
-    /// Value held unless the parameter is refined on purpose; `None` for a parameter that is always fitted.
+    /// Value at which it is held unless a fit refines the law's form; `None` for a parameter that is always fitted.
     pub default: Option<f64>,
     /// How a starting value is found.
     pub search: Search,
 }
 
 impl Parameter {
-    /// A parameter that is always fitted; started as an amplitude.
+    /// A parameter that is always fitted, and starts as an amplitude.
     pub const fn new(role: Role, symbol: &'static str, meaning: &'static str, min: f64, max: f64) -> Self {
         Self { role, symbol, unit: role.unit(), meaning, min, max, default: None, search: Search::Amplitude }
     }
-    /// The phase of the amplitude that stands at `of` among the effect's parameters. Any number of turns is valid: a fit
-    /// may pass from one turn to the next.
+    /// The phase of the amplitude that stands at `of` among the effect's parameters. Any number of turns is valid,
+    /// since a fit may pass from one turn to the next.
     pub const fn phase(symbol: &'static str, of: usize, meaning: &'static str) -> Self {
         Self::new(Role::Phase { of }, symbol, meaning, -1e9, 1e9).search(Search::Phase)
     }
-    /// The same, started from a spectrum or a grid.
+    /// The same, with another start of its search.
     pub const fn search(self, search: Search) -> Self {
         Self { search, ..self }
     }
-    /// A refinement: held at `default` until asked for.
+    /// A refinement of the law's form: the parameter is held at `default` until it is asked for.
     pub const fn refinement(self, default: f64) -> Self {
         Self { default: Some(default), ..self }
     }
-    /// Smallest and largest value of the [canonical](super::Effect::canonical) form: what a reader is told. A phase is
-    /// above −π; others are read as well.
+    /// Smallest and largest value in the [canonical](super::Effect::canonical) form, for a reader. A canonical phase is
+    /// above −π; files may hold others.
     pub const fn canonical_range(&self) -> (f64, f64) {
         match self.role {
             Role::Phase { .. } => (-PI, PI),

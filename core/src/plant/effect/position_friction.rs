@@ -1,4 +1,5 @@
-//! Coulomb friction modulated along the travel, e.g. a bent shaft. Unlike cogging it changes sign with the velocity.
+//! Coulomb friction varies along the travel, for example on a bent shaft. Unlike cogging, this force changes its sign
+//! with the velocity.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;
@@ -16,12 +17,15 @@ impl Law for PositionFriction {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Ratio, "k", "depth of the modulation", -1.0, 1.0),
-            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9).search(Search::Spectrum(Over::PositionAndDirection)),
+            Parameter::new(Role::WaveNumber, "n", "wave number", 1e-9, 1e9)
+                .search(Search::Spectrum(Over::PositionAndDirection)),
             Parameter::phase("phi", 0, "phase"),
         ],
         shown_by: "long travel in both directions",
         confused_with: &["cogging"],
         compensation: Some("feed-forward along the reference"),
+        phase_per_recording: true,
+        ..Definition::PLAIN
     };
 
     fn level<R: Real>(p: &[R], base: &Base<R>, at: &Instant<R>) -> R {

@@ -1,4 +1,4 @@
-//! A bridge loses the dead time against the direction of the current.
+//! A bridge loses voltage in its dead time, against the direction of the current.
 
 use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
@@ -16,12 +16,15 @@ impl Law for PwmDeadTime {
         acts_in: ActsIn::Drive,
         parameters: &[
             Parameter::new(Role::Level, "d", "voltage lost", 0.0, 1e9),
-            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
-            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9).search(Search::Grid(Scale::Viscous, &[0.5])),
+            Parameter::new(Role::Threshold, "i0", "width of the transition", 1e-9, 1e9)
+                .search(Search::Grid(Scale::Drive, &[0.02, 0.06, 0.15])),
+            Parameter::new(Role::BackEmf, "Ke", "back-EMF constant", 0.0, 1e9)
+                .search(Search::Grid(Scale::Viscous, &[0.5])),
         ],
         shown_by: "several levels of drive and speed",
         confused_with: &["dead_zone"],
         compensation: Some("inverse: u + d·sat(i/i0)"),
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 4;
@@ -32,7 +35,8 @@ impl Law for PwmDeadTime {
     }
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
-        // i ↦ i − d·sat(i/i0) is invertible for i0 > d; below that the ramp is made as steep as 10.
+        // The map from i to i − d·sat(i/i0) is invertible for i0 > d. For smaller i0 the slope of the inverse stays
+        // below 1 + 10·d/i0.
         let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
     }

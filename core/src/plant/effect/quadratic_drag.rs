@@ -1,4 +1,4 @@
-//! Drag of a fan, a propeller or a turbulent film.
+//! A fan, a propeller or a turbulent film brakes with the square of the speed.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
@@ -20,6 +20,7 @@ impl Law for QuadraticDrag {
         shown_by: "high speed",
         confused_with: &["stribeck", "saturation"],
         compensation: Some("feed-forward k·v·|v|"),
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

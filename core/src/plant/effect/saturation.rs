@@ -1,4 +1,4 @@
-//! The drive clips.
+//! The drive is limited to ±u_max.
 
 use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::scalar::Real;
@@ -14,11 +14,13 @@ impl Law for Saturation {
         law: "u_a = clip(u, ±u_max)",
         acts_in: ActsIn::Drive,
         parameters: &[
-            Parameter::new(Role::Threshold, "u_max", "limit", 1e-9, 1e9).search(Search::Grid(Scale::Drive, &[0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5])),
+            Parameter::new(Role::Threshold, "u_max", "limit", 1e-9, 1e9)
+                .search(Search::Grid(Scale::Drive, &[0.98, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5])),
         ],
         shown_by: "large drive",
         confused_with: &["quadratic_drag"],
         compensation: None,
+        ..Definition::PLAIN
     };
 
     const ALONG_THE_DRIVE: u8 = 2;

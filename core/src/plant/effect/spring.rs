@@ -1,4 +1,4 @@
-//! A spring, a hose or a cable chain.
+//! A spring, a hose or a cable chain pulls the axis to a rest position.
 
 use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
@@ -16,11 +16,14 @@ impl Law for Spring {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Stiffness, "k", "stiffness", -1e9, 1e9),
-            Parameter::new(Role::Position, "x0", "rest position", -1e9, 1e9).search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
+            Parameter::new(Role::Position, "x0", "rest position", -1e9, 1e9)
+                .search(Search::Grid(Scale::Extent, &[0.0, 0.3, -0.3, 1.0, -1.0])),
         ],
         shown_by: "long travel",
         confused_with: &["constant_load"],
         compensation: Some("feed-forward along the reference"),
+        generalises: &["constant_load"],
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -1,6 +1,7 @@
-//! A higher level at rest than in the slowest sliding.
+//! The friction level at rest is higher than in the slowest sliding.
 
-use super::{ActsIn, Definition, Law, Parameter, Role, Scale, Search};
+use super::dahl::BRISTLES_AT_REST;
+use super::{ActsIn, Definition, Law, Parameter, Relation, Role, Scale, Search};
 use crate::scalar::Real;
 
 /// Stiction: `break-away level f1 + s at rest only`.
@@ -14,11 +15,17 @@ impl Law for Stiction {
         law: "break-away level f1 + s at rest only",
         acts_in: ActsIn::Force,
         parameters: &[
-            Parameter::new(Role::Level, "s", "rise of the level at rest", 0.0, 1e9).search(Search::Grid(Scale::Coulomb, &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2])),
+            Parameter::new(Role::Level, "s", "rise of the level at rest", 0.0, 1e9)
+                .search(Search::Grid(Scale::Coulomb, &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2])),
         ],
         shown_by: "slow sine through rest, stick phases",
         confused_with: &["stribeck"],
         compensation: None,
+        excludes: &[
+            Relation { name: "dahl", why: BRISTLES_AT_REST },
+            Relation { name: "lugre", why: BRISTLES_AT_REST },
+        ],
+        ..Definition::PLAIN
     };
 
     const THRESHOLD: bool = true;

@@ -1,6 +1,7 @@
-//! Friction that falls with speed: boundary to mixed lubrication. The exponent is a refinement; 2 is the usual form.
+//! Friction falls with speed, from boundary to mixed lubrication. The exponent is a refinement; its usual value is 2.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
+use super::lugre::HAS_THE_CURVE;
+use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -16,12 +17,15 @@ impl Law for Stribeck {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Level, "s", "rise of friction towards rest", 0.0, 1e9),
-            Parameter::new(Role::Speed, "vs", "Stribeck velocity", 1e-12, 1e9).search(Search::Grid(Scale::Speed, &[0.015, 0.03, 0.06, 0.12, 0.25])),
+            Parameter::new(Role::Speed, "vs", "Stribeck velocity", 1e-12, 1e9)
+                .search(Search::Grid(Scale::Speed, &[0.015, 0.03, 0.06, 0.12, 0.25])),
             Parameter::new(Role::Exponent, "p", "exponent", 0.5, 4.0).refinement(2.0),
         ],
         shown_by: "slow motion",
         confused_with: &["stiction", "lugre", "quadratic_drag"],
         compensation: Some("feed-forward along the reference, with sgn of the reference velocity"),
+        excludes: &[Relation { name: "lugre", why: HAS_THE_CURVE }],
+        ..Definition::PLAIN
     };
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {

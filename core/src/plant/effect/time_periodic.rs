@@ -1,4 +1,4 @@
-//! A force periodic in time: a fan, another machine on the same frame.
+//! A force is periodic in time: a fan, or another machine on the same frame, shakes the axis.
 
 use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Role, Search};
 use crate::scalar::Real;
@@ -15,12 +15,16 @@ impl Law for TimePeriodic {
         acts_in: ActsIn::Force,
         parameters: &[
             Parameter::new(Role::Amplitude, "A", "amplitude", -1e9, 1e9),
-            Parameter::new(Role::AngularFrequency, "omega", "angular frequency", 1e-9, 1e9).search(Search::Spectrum(Over::Time)),
+            Parameter::new(Role::AngularFrequency, "omega", "angular frequency", 1e-9, 1e9)
+                .search(Search::Spectrum(Over::Time)),
             Parameter::phase("phi", 0, "phase at t = 0"),
         ],
         shown_by: "any record, over the session",
         confused_with: &["cogging"],
         compensation: None,
+        generalises: &["constant_load"],
+        shared_clock: true,
+        ..Definition::PLAIN
     };
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {

@@ -5,7 +5,7 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::regression::rms;
-use super::search::{Judged, Outcome, Tried, judge};
+use super::search::{Judged, Outcome, Round, Tried, judge};
 use super::settings::Settings;
 use super::start::{self, Errors};
 use super::term::Name;
@@ -55,6 +55,8 @@ pub struct Remainder {
     pub bandwidth_hz: f64,
     /// The rms over what the sensor's noise makes of it.
     pub over_noise: f64,
+    /// Largest z over blocks, on the side that tells less, of anything that was tried beside the final model.
+    pub significance: f64,
 }
 
 /// What the judge says.
@@ -214,6 +216,12 @@ fn remainder(
     remainder_of(&form, &own, predictable)
 }
 
+/// Largest z, on the side that tells less, of the terms of a round that were tried alone and gain over all rows.
+fn significance(round: &Round) -> f64 {
+    let alone = round.tried.iter().filter(|t| t.terms.len() == 1 && t.rejection() != Some(Rejection::Inertia));
+    alone.filter(|t| t.gain > 0.0).map(|t| t.evidence[0].z()).fold(0.0, f64::max)
+}
+
 fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) -> Option<Remainder> {
     let left = rms(&own.fitted.u.residual);
     let share = left / rms(&form.row_u);
@@ -225,5 +233,6 @@ fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) ->
         // The transform of (1 − s²)³ falls to a half at 2.4 radians in a half-width.
         bandwidth_hz: 2.4 / (std::f64::consts::TAU * form.half_width_s),
         over_noise: left / noise.max(f64::MIN_POSITIVE),
+        significance: own.rounds.last().map_or(0.0, significance),
     })
 }

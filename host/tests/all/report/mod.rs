@@ -57,6 +57,21 @@ fn json_of_the_discoveries() {
     }
 }
 
+/// An effect that is named twice, with another wave number each time, stands twice in the page and in the document.
+#[test]
+fn an_effect_named_twice_is_reported_twice() {
+    let mut sample = sample::explained();
+    let mut second = sample.effects[1].clone();
+    let n = second.parameters.iter_mut().find(|p| p.symbol == "n").unwrap();
+    n.value = 28.0;
+    sample.effects[0] = second;
+    let document = serde_json::to_value(Document::from(&sample)).unwrap();
+    let waves = |i: usize| document["effects"][i]["parameters"]["n"]["value"].as_f64();
+    assert_eq!((waves(0), waves(1)), (Some(28.0), Some(7.0002)));
+    let page = skeleton(&html("twice", &sample));
+    assert!(page.contains("28.0") && page.contains("7.000"), "{page}");
+}
+
 #[test]
 fn no_page_refers_to_anything_outside() {
     for (name, sample) in samples() {
