@@ -84,19 +84,36 @@ fn solve(mut m: [[f64; 4]; 3]) -> [f64; 3] {
 /// RMS difference (rad) between the encoder's exact position and the true base plant run open loop
 /// under the same drive and random torque over 0.4 s segments, each from the true encoder position and velocity.
 pub fn base_error(base: &Law, traces: &[Trace], tick_s: f64) -> f64 {
+    segments_rms(base, traces, tick_s, |plant, _, trace, k| plant.x - trace.y[k])
+}
+
+/// RMS difference (rad) that the random torque makes to the true base plant over the same segments.
+pub fn torque_error(base: &Law, traces: &[Trace], tick_s: f64) -> f64 {
+    segments_rms(base, traces, tick_s, |shaken, calm, _, _| shaken.x - calm.x)
+}
+
+/// RMS of the difference over all samples of the segments; it gets the base plant with and without random torque.
+fn segments_rms(
+    base: &Law,
+    traces: &[Trace],
+    tick_s: f64,
+    difference: impl Fn(&State, &State, &Trace, usize) -> f64,
+) -> f64 {
     let segment = (SEGMENT_S / tick_s).round() as usize;
     let substeps = ((tick_s / STEP_S).round() as usize).max(1);
     let (mut squares, mut count) = (0.0, 0.0_f64);
     for trace in traces {
         for from in (0..trace.u.len()).step_by(segment) {
-            let start = State::moving(trace.y[from], trace.y_rate[from]);
-            let mut plant = Plant::new(base, start, substeps);
-            plant.tick_s = tick_s;
+            let mut shaken = Plant::new(base, State::moving(trace.y[from], trace.y_rate[from]), substeps);
+            shaken.tick_s = tick_s;
+            let mut calm = shaken.clone();
             for k in from..(from + segment).min(trace.u.len()) {
-                squares += (plant.state.x - trace.y[k]).powi(2);
+                squares += difference(&shaken.state, &calm.state, trace, k).powi(2);
                 count += 1.0;
-                plant.state.torque = trace.torque[k];
-                plant.sample_for(trace.supplied[k], trace.t[k], trace.duration[k], |_, _| ());
+                shaken.state.torque = trace.torque[k];
+                for plant in [&mut shaken, &mut calm] {
+                    plant.sample_for(trace.supplied[k], trace.t[k], trace.duration[k], |_, _| ());
+                }
             }
         }
     }

@@ -5,7 +5,7 @@ use crate::{
     experiment::Role,
     law::Law,
     machine::{Base, Machine},
-    measure::{base_error, gap_force, gap_rms},
+    measure::{base_error, gap_force, gap_rms, torque_error},
     plan::Spec,
     run::Trace,
     session::{Case, Session},
@@ -65,8 +65,9 @@ pub struct Truth {
     pub gap_rms_percent: f64,
     /// The same after b, c, f1 absorbed what they can, % of the amplitude.
     pub gap_rms_refit_percent: f64,
-    /// RMS error of the true base plant over 0.4 s open-loop segments over the noise floor: below
-    /// about 1 the effect cannot be seen. An upper bound, since a fitted base absorbs part of it;
+    /// RMS error of the true base plant over 0.4 s open-loop segments over the noise floor, to which
+    /// random torque adds what it does to the base plant over these segments: below about 1 the
+    /// effect is hard to see. An upper bound, since a fitted base absorbs part of it;
     /// multiply by `gap_rms_refit_percent / gap_rms_percent` for a rough value after that.
     pub visibility: f64,
     /// Noise floor √(σ² + step²/12), rad.
@@ -82,6 +83,9 @@ impl Truth {
         let (refit, rms) = gap_rms(traces, &gaps);
         let peak = gaps.iter().flatten().fold(0.0, |m: f64, g| m.max(g.abs()));
         let noise_floor = (machine.noise_sigma.powi(2) + machine.encoder_step.powi(2) / 12.0).sqrt();
+        let (base, tick_s) = (machine.law(), case.world.tick_s);
+        let shaken = case.world.torque.map(|_| torque_error(&base, traces, tick_s));
+        let noise = shaken.map_or(noise_floor, |shaken| noise_floor.hypot(shaken));
         Self {
             seed: case.seed,
             world: case.world.clone(),
@@ -97,7 +101,7 @@ impl Truth {
             gap_peak_percent: peak * percent,
             gap_rms_percent: rms * percent,
             gap_rms_refit_percent: refit * percent,
-            visibility: base_error(&machine.law(), traces, case.world.tick_s) / noise_floor,
+            visibility: base_error(&base, traces, tick_s) / noise,
             noise_floor,
             records: specs
                 .iter()
