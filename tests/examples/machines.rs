@@ -95,7 +95,8 @@ fn row(machine: &Machine, split: Split, data: &Path, commit: &str) -> Result<Opt
     let taken = taken(machine, split, &sources);
     let curve = drive_free::error(&taken);
     let unit = taken.fit.first().map(|recording| recording.units.x.clone()).unwrap_or_default();
-    let remarks: Vec<&str> = sources.iter().filter_map(|source| source.remark.as_deref()).collect();
+    let concerned = sources.iter().filter(|source| taken.concerns(source));
+    let remarks: Vec<&str> = concerned.filter_map(|source| source.remark.as_deref()).collect();
     let began = Instant::now();
     let progress = |what: &str| eprintln!("  {:6.1} s  {what}", began.elapsed().as_secs_f64());
     let said = discovery::run(taken, &progress);
