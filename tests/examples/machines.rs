@@ -3,17 +3,19 @@
 //! `--splits` takes `all`, `groups`, `without`, `halves`, `thirds`, `full` (all of them) and `quick` (one split of six
 //! machines). With `--csv FILE` rows that the file holds already are not made again, unless `--anew` is given; a row is
 //! written as it ends. `--table` only draws the tables of the file, and `--page FILE --date DATE --command LINE` writes
-//! them as docs/machines.md.
+//! them as docs/machines.md. `--export FOLDER` writes the recordings as plain tables, and `--compare NAME=FILE` draws the
+//! rows of several programs side by side.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use breakaway_tests::machines::catalogue::MACHINES;
+use breakaway_tests::machines::compare::{self, Program};
 use breakaway_tests::machines::reading::{self, ReadingError};
 use breakaway_tests::machines::rows::{self, Row};
 use breakaway_tests::machines::splits::{Split, splits, taken};
-use breakaway_tests::machines::{Machine, discovery, drive_free, page, quick};
+use breakaway_tests::machines::{Machine, discovery, drive_free, export, page, quick};
 use breakaway_tests::measured_data;
 use clap::Parser;
 
@@ -37,6 +39,12 @@ struct Asked {
     /// Only write the page of the file
     #[arg(long)]
     page: Option<PathBuf>,
+    /// Only write the asked machines' recordings as plain tables into this folder
+    #[arg(long)]
+    export: Option<PathBuf>,
+    /// Only draw the rows of these programs side by side: `NAME=FILE`, repeated
+    #[arg(long, value_name = "NAME=FILE")]
+    compare: Vec<String>,
     /// Commit that is run, for the rows
     #[arg(long, default_value = "")]
     commit: String,
@@ -87,7 +95,8 @@ fn row(machine: &Machine, split: Split, data: &Path, commit: &str) -> Result<Opt
     let taken = taken(machine, split, &sources);
     let curve = drive_free::error(&taken);
     let unit = taken.fit.first().map(|recording| recording.units.x.clone()).unwrap_or_default();
-    let remarks: Vec<&str> = sources.iter().filter_map(|source| source.remark.as_deref()).collect();
+    let concerned = sources.iter().filter(|source| taken.concerns(source));
+    let remarks: Vec<&str> = concerned.filter_map(|source| source.remark.as_deref()).collect();
     let began = Instant::now();
     let progress = |what: &str| eprintln!("  {:6.1} s  {what}", began.elapsed().as_secs_f64());
     let said = discovery::run(taken, &progress);
@@ -119,7 +128,35 @@ fn run(asked: &Asked, csv: Option<&Path>, mut known: Vec<Row>) -> Result<Vec<Row
     Ok(known)
 }
 
+fn export(asked: &Asked, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let Some(data) = measured_data() else { return Ok(()) };
+    let mut read = Vec::new();
+    for (machine, _) in asked.pairs()?.into_iter().filter(|(_, split)| *split == Split::All) {
+        match reading::read(machine, &data) {
+            Err(ReadingError::NoDrive) => (),
+            sources => read.push((machine, sources?)),
+        }
+    }
+    Ok(export::write(folder, &read)?)
+}
+
+fn compare(programs: &[String]) -> Result<String, Box<dyn std::error::Error>> {
+    let mut read = Vec::new();
+    for program in programs {
+        let (name, file) = program.split_once('=').ok_or_else(|| format!("--compare {program}: expected NAME=FILE"))?;
+        read.push(Program { name: name.to_owned(), rows: rows::read(Path::new(file))? });
+    }
+    Ok(compare::table(&read)?)
+}
+
 fn done(asked: &Asked) -> Result<(), Box<dyn std::error::Error>> {
+    if let Some(folder) = &asked.export {
+        return export(asked, folder);
+    }
+    if !asked.compare.is_empty() {
+        print!("{}", compare(&asked.compare)?);
+        return Ok(());
+    }
     let csv = asked.csv.as_deref();
     let known = csv.map_or(Ok(Vec::new()), rows::read)?;
     if let Some(path) = &asked.page {

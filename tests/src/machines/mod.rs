@@ -5,8 +5,10 @@
 //! recordings are in the folder of [`measured_data`](crate::measured_data); the project holds none of them.
 
 pub mod catalogue;
+pub mod compare;
 pub mod discovery;
 pub mod drive_free;
+pub mod export;
 pub mod page;
 pub mod reading;
 pub mod rows;

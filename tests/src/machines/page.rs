@@ -14,25 +14,28 @@ const SCORES: [Score; 4] = [Score::Right, Score::Wrong, Score::Abstains, Score::
 
 const HEAD: &str = "# Real machines
 
-Recordings of machines that nobody simulated, discovered with nothing told, and judged by what is known of them. Written on
-{date}; the rows are of commit {commits} and in [machines.csv](machines.csv). The last command was
+Recordings of machines that nobody simulated, discovered with nothing told, and judged by what is known of
+them. Written on {date}; the rows are of commit {commits} and in [machines.csv](machines.csv). The last
+command was
 
     {command}
 
-in the dev profile. It goes on where it was stopped; `--anew` makes the rows again. The recordings are other people's: the
-tests find them as tests/src/lib.rs says, and the project holds none.
+in the dev profile. It goes on where it was stopped; `--anew` makes the rows again. The recordings are other
+people's: the tests find them as tests/src/lib.rs says, and the project holds none.
 
-*Splits.* `all`: every recording, the last third of each held out by the tool. `without 2 of 8`: the second file is held
-out, the others are fitted; of more than eight files, every fifth. `half 1`, `third 2`: that part of the files alone, or of
-the time of each where there are fewer files. `group`: files of one kind.
+*Splits.* `all`: every recording, the last third of each held out by the tool. `without 2 of 8`: the second
+file is held out, the others are fitted; of more than eight files, every fifth. `half 1`, `third 2`: that
+part of the files alone, or of the time of each where there are fewer files. `group`: files of one kind.
 
-*Scores.* Right: the leading name is true of the machine or tied with one that is, and no other name is false. Wrong: a name
-is false, with all that is tied with it. Abstains: refused, *unknown*, or true names without the one that is needed. False
-nothing: *nothing missing* is the verdict, although something is. Where nothing is missing, naming nothing is right.
+*Scores.* Right: the leading name is true of the machine or tied with one that is, and no other name is
+false. Wrong: a name is false, with all that is tied with it. Abstains: refused, *unknown*, or true names
+without the one that is needed. False nothing: *nothing missing* is the verdict, although something is.
+Where nothing is missing, naming nothing is right.
 
-*Errors.* Force residual: what the model leaves of the held-out force, in per cent of the drive. 1 s open loop: held-out
-simulation over windows of 1 s. Drive-free curve: a cubic in time, fitted to the position in such windows without the drive;
-a model that is further off has learnt nothing from the drive. Arrows lead from the base model to the final one.
+*Errors.* Force residual: what the model leaves of the held-out force, in per cent of the drive. 1 s open
+loop: held-out simulation over windows of 1 s. Drive-free curve: a cubic in time, fitted to the position in
+such windows without the drive; a model that is further off has learnt nothing from the drive. Arrows lead
+from the base model to the final one.
 ";
 
 /// The tables of the rows. Rows of machines that the catalogue does not have are left out.
@@ -62,6 +65,7 @@ pub fn tables(rows: &[Row]) -> Result<String, String> {
 pub fn page(rows: &[Row], date: &str, command: &str) -> Result<String, String> {
     let mut commits: Vec<&str> =
         rows.iter().map(|row| row.commit.as_str()).filter(|commit| !commit.is_empty()).collect();
+    commits.sort_unstable();
     commits.dedup();
     let head = HEAD.replace("{date}", date).replace("{command}", command).replace("{commits}", &commits.join(", "));
     Ok(format!("{head}\n{}", tables(rows)?))

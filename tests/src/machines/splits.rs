@@ -86,6 +86,15 @@ pub struct Taken {
     pub holdout: Vec<Recording>,
 }
 
+impl Taken {
+    /// Whether recordings of a file are taken; of a file that was refused altogether, it is not known, and it is yes.
+    pub fn concerns(&self, source: &Source) -> bool {
+        let stem = source.file.trim_end_matches(".csv");
+        let mut all = self.fit.iter().chain(&self.holdout);
+        source.recordings.is_empty() || all.any(|recording| recording.name.starts_with(stem))
+    }
+}
+
 /// The recordings that a split takes of a machine's files.
 pub fn taken(machine: &Machine, split: Split, sources: &[Source]) -> Taken {
     let all = |sources: &[&Source]| sources.iter().flat_map(|source| source.recordings.iter().cloned()).collect();

@@ -37,6 +37,8 @@ fn a_split_takes_the_rows_and_files_it_names() {
     assert_eq!(names(&thirds(2)), ["b_kp200", "b_kp800"]);
     let group = taken(&XL330, Split::Group("kp100+200"), &files);
     assert_eq!(names(&group.fit), ["a_kp100", "b_kp200"]);
+    assert!(group.concerns(&files[0]) && !group.concerns(&files[1]));
+    assert!(group.concerns(&Source { recordings: Vec::new(), ..files[1].clone() }), "refused");
     let fold = taken(&XL330, Split::Without { fold: 1, of: 2 }, &files);
     assert_eq!((names(&fold.fit), names(&fold.holdout)), (vec!["a_kp100", "b_kp200"], vec!["a_kp400", "b_kp800"]));
 }

@@ -26,6 +26,8 @@ const BLIND: [&[&str]; 2] =
 pub enum Part {
     /// PySINDy on blind cases (the longest: half an hour)
     Discovery,
+    /// PySINDy and ten minutes of least squares on the real machines, beside the rows of docs/machines.csv
+    Machines,
     /// scipy's `curve_fit` and IEEE 1057
     Sine,
     /// Least squares on filtered derivatives, and the papers' formulas
@@ -36,12 +38,21 @@ pub enum Part {
     Instructions,
 }
 
-const PARTS: [Part; 5] = [Part::Sine, Part::Friction, Part::Simulate, Part::Instructions, Part::Discovery];
+const PARTS: [Part; 6] =
+    [Part::Sine, Part::Friction, Part::Simulate, Part::Instructions, Part::Machines, Part::Discovery];
+/// Methods on the real machines: the head of the column, and the file of rows that `bench/peers/machines.py` writes.
+const ON_MACHINES: [(&str, &str); 4] = [
+    ("PySINDy, weak form, as tuned on blind sessions", "machines_sindy.csv"),
+    ("PySINDy, threshold by held-out data", "machines_sindy_held_out.csv"),
+    ("ten minutes of least squares, a fall of 0.1", "machines_least_squares.csv"),
+    ("the same, a fall of 0.5", "machines_least_squares_best.csv"),
+];
 
 impl Part {
     fn name(self) -> &'static str {
         match self {
             Self::Discovery => "discovery",
+            Self::Machines => "machines",
             Self::Sine => "sine",
             Self::Friction => "friction",
             Self::Simulate => "simulate",
@@ -53,6 +64,7 @@ impl Part {
     fn timed(self) -> Option<fn(&Bench) -> Result<()>> {
         match self {
             Self::Discovery => Some(Bench::discovery),
+            Self::Machines => Some(Bench::machines),
             Self::Sine => Some(Bench::sine),
             Self::Friction => Some(Bench::friction),
             Self::Simulate => Some(Bench::simulate),
@@ -91,7 +103,16 @@ impl Bench {
         let requirements = root().join("bench/peers/requirements.txt");
         let python = fleet::environment(&target_folder().join("peers-venv"), &requirements)?;
         run(&mut cargo(["build", "--release", "-p", "breakaway-bench", "-p", "breakaway-hidden", "--bins"]))?;
-        run(&mut cargo(["build", "--release", "-p", "breakaway-tests", "--example", "blind"]))?;
+        run(&mut cargo([
+            "build",
+            "--release",
+            "-p",
+            "breakaway-tests",
+            "--example",
+            "blind",
+            "--example",
+            "machines",
+        ]))?;
         Ok(Self { python, folder, programs: target_folder().join("release") })
     }
 
@@ -126,6 +147,20 @@ impl Bench {
         }
         run(&mut script("run"))?;
         run(&mut script("table"))
+    }
+
+    fn machines(&self) -> Result<()> {
+        let ours = || self.ours("examples/machines");
+        run(ours().arg("--export").arg(self.folder.join("machines")))?;
+        run(self.script("machines.py").arg(&self.folder))?;
+        let mut compare = ours();
+        compare.args(["--compare", &format!("Breakaway={}", super::ROWS)]);
+        for (name, file) in ON_MACHINES {
+            compare.args(["--compare", &format!("{name}={}", self.folder.join(file).display())]);
+        }
+        let table = answer(&mut compare).context("the rows cannot be compared")?;
+        fs::write(self.folder.join("machines.md"), table)?;
+        Ok(())
     }
 
     fn sine(&self) -> Result<()> {
