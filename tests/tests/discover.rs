@@ -214,8 +214,8 @@ fn discovery_is_deterministic() {
     let case = Case::suite(904, &["time_periodic"], 10.0).unwrap();
     let (one, other) = (run(&case).unwrap().1, run(&case).unwrap().1);
     assert_eq!(
-        (one.verdict, &one.sentence, &one.effects, &one.ladder),
-        (other.verdict, &other.sentence, &other.effects, &other.ladder)
+        (one.verdict, one.force, &one.effects, &one.ladder),
+        (other.verdict, other.force, &other.effects, &other.ladder)
     );
     assert_eq!(one.model, other.model);
 }
@@ -260,39 +260,46 @@ fn teeth_are_named_where_they_move_more_than_the_drive() {
 }
 
 /// EMPS: the direction-asymmetric friction is named, and Stribeck, drag and delay are not. The open-loop error over 1 s on the
-/// last third, which is not fitted, falls from 3.60 to 0.384 mm; the issue asks for 0.42 mm.
+/// last third, which is not fitted, falls from 3.58 to 0.367 mm; the issue asks for 0.42 mm.
 #[test]
 fn emps_misses_asymmetric_friction() {
     let Some(recording) = measured("emps/emps_train.csv", "u_V", "x_m") else { return };
     let found = discover(&Request { recordings: vec![recording], ..Request::default() }, &|_| ()).unwrap();
     let names: Vec<&str> = found.effects.iter().map(|e| e.kind.name()).collect();
     assert!(names.contains(&"asymmetric_viscous"), "{names:?}");
-    assert!(names.iter().all(|n| ["asymmetric_viscous", "constant_load"].contains(n)), "{names:?}");
+    assert!(names.iter().all(|n| ["asymmetric_viscous", "constant_load", "cogging"].contains(n)), "{names:?}");
+    // The ripple that is left repeats once in a turn of the motor: 50 000 counts of 50 nm, 2.5 mm. A tenth of a per cent is
+    // half of what 62 turns of travel tell apart.
+    if let Some(ripple) = found.effects.iter().find(|e| e.kind.name() == "cogging") {
+        let turn = std::f64::consts::TAU / 2.5e-3;
+        assert!((ripple.parameters[1].value / turn - 1.0).abs() < 1e-3, "{ripple:?}");
+    }
     let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
     assert!((3.0e-3..4.5e-3).contains(&first.holdout_open_loop_rmse), "{first:?}");
     assert!(last.holdout_open_loop_rmse < 0.42e-3, "{last:?}");
 }
 
-/// The motor with cogging, recorded at up to 150 rad/s with a jittered clock. A rotor that comes to rest at one of its teeth
-/// falls into the next one under any error of the model, so most segments do not bear out a name and nothing is explained;
-/// but what comes closest is its cogging, with the 72 waves in a turn that the weak form's spectrum has at 71.99.
+/// The motor with cogging, recorded at up to 150 rad/s with a jittered clock: a tooth passes within a sample in all but the slow parts.
+/// The measured forces tell it there, with 72 waves in a turn and .183 A (the data's README); a half of that to either side is what
+/// the windows' attenuation leaves uncertain. Something else is left, so that it is not explained.
 #[test]
-fn the_laas_motor_is_not_explained() {
+fn the_laas_motors_cogging_is_named() {
     let Some(recording) = measured("laas-motor/current-sine-2hz.csv", "iq_A", "x_rad") else { return };
     let found = discover(&Request { recordings: vec![recording], ..Request::default() }, &|_| ()).unwrap();
-    assert!(matches!(found.verdict, Verdict::Unknown | Verdict::PartlyExplained), "{}", found.sentence);
-    let said = format!("{:?} {:?}", found.nearest, found.effects);
-    assert!(said.contains("cogging comes closest") && said.contains("n = 72.000"), "{said}");
+    assert!(matches!(found.verdict, Verdict::PartlyExplained), "{:?}", found.verdict);
+    assert!(found.effects.iter().all(|effect| effect.kind.name() == "cogging"), "{:?}", found.effects);
+    let [amplitude, waves, ..] = found.effects[0].parameters.as_slice() else { panic!("{:?}", found.effects) };
+    assert!((waves.value - 72.0).abs() < 0.05 && (0.09..0.28).contains(&amplitude.value.abs()), "{:?}", found.effects);
 }
 
-/// The same motor with the compensated half of its run at constant speed: cogging of 12 waves with a friction of 18 made the typical
-/// segment better and the held-out error larger, 6.5 and 7.0 times the noise, and were named. What widens the gap is not named.
+/// The same motor with the compensated half of its run at constant speed. Cogging of 12 waves with a friction of 18 was named by the
+/// simulated motion; if anything is named, it is the cogging.
 #[test]
-fn what_widens_the_gap_is_not_named() {
+fn nothing_but_the_cogging_is_named_beside_a_constant_speed() {
     let compensated = Selection { column: "anticog_on".into(), value: "1".into() };
     let Some(dynamic) = measured("laas-motor/current-sine-2hz.csv", "iq_A", "x_rad") else { return };
     let constant = rows_of("laas-motor/speed-control.csv", "iq_A", "x_rad", vec![compensated]).unwrap();
     let recordings = vec![dynamic, constant];
     let found = discover(&Request { recordings, ..Request::default() }, &|_| ()).unwrap();
-    assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.sentence);
+    assert!(found.effects.iter().all(|effect| effect.kind.name() == "cogging"), "{:?}", found.effects);
 }

@@ -78,7 +78,8 @@ fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
         .map(breakaway_core::plant::Kind::name)
         .collect();
     let (first, last) = (ladder.first()?, ladder.last()?);
-    let better = last.holdout_rmse < BETTER * first.holdout_rmse || last.holdout_open_loop_rmse < BETTER * first.holdout_open_loop_rmse;
+    let better = last.holdout_rmse < BETTER * first.holdout_rmse
+        || last.holdout_open_loop_rmse < BETTER * first.holdout_open_loop_rmse;
     (!others.is_empty() && !better).then(|| {
         format!("the measured forces speak for {}, and the simulated motion does not: not named", others.join(" and "))
     })

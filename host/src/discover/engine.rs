@@ -130,8 +130,11 @@ fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
         && remainder.over_noise > left
         && remainder.predictable.is_none()
         && remainder.significance < z;
-    let ripples = !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
-    shaken || ripples || found.over_noise() > ROUGH
+    let ripples =
+        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
+    // Something gains on the measured forces that is no name: the simulated motion would find one for it.
+    let unknown = ruling.findings.is_empty() && remainder.predictable.is_some() && found.over_noise() > simulated;
+    shaken || ripples || unknown || found.over_noise() > ROUGH
 }
 
 /// Radians in a position unit; `None` where the position is no angle.
