@@ -54,6 +54,9 @@ struct Asked {
     /// Command that made the rows, for the page
     #[arg(long, default_value = "")]
     command: String,
+    /// What else is to be said of the rows, for the page
+    #[arg(long, default_value = "")]
+    remark: String,
 }
 
 impl Asked {
@@ -160,7 +163,7 @@ fn done(asked: &Asked) -> Result<(), Box<dyn std::error::Error>> {
     let csv = asked.csv.as_deref();
     let known = csv.map_or(Ok(Vec::new()), rows::read)?;
     if let Some(path) = &asked.page {
-        std::fs::write(path, page::page(&known, &asked.date, &asked.command)?)?;
+        std::fs::write(path, page::page(&known, &asked.date, &asked.command, &asked.remark)?)?;
         return Ok(());
     }
     let rows = if asked.table { known } else { run(asked, csv, known)? };

@@ -62,7 +62,10 @@ fn said(found: &Discovery) -> Said {
         named: named.collect(),
         parameters: parameters(found),
         force: None,
-        open_loop: ends.map(|(first, last)| [first.holdout_open_loop_rmse, last.holdout_open_loop_rmse]),
+        // 0 where no window of 1 s is held out.
+        open_loop: ends
+            .map(|(first, last)| [first.holdout_open_loop_rmse, last.holdout_open_loop_rmse])
+            .filter(|errors| errors.iter().any(|&error| error > 0.0)),
         noise: Some(found.noise_floor),
         seconds: found.seconds,
         refusal: None,

@@ -58,17 +58,18 @@ pub fn tables(rows: &[Row]) -> Result<String, String> {
     Ok(out)
 }
 
-/// The page, with the day on which it was written and the command that made its newest rows.
+/// The page, with the day on which it was written, the command that made its newest rows, and what else is to be said of them.
 ///
 /// # Errors
 /// As [`tables`].
-pub fn page(rows: &[Row], date: &str, command: &str) -> Result<String, String> {
+pub fn page(rows: &[Row], date: &str, command: &str, remark: &str) -> Result<String, String> {
     let mut commits: Vec<&str> =
         rows.iter().map(|row| row.commit.as_str()).filter(|commit| !commit.is_empty()).collect();
     commits.sort_unstable();
     commits.dedup();
     let head = HEAD.replace("{date}", date).replace("{command}", command).replace("{commits}", &commits.join(", "));
-    Ok(format!("{head}\n{}", tables(rows)?))
+    let remark = if remark.is_empty() { String::new() } else { format!("\n{remark}\n") };
+    Ok(format!("{head}{remark}\n{}", tables(rows)?))
 }
 
 fn sums(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
@@ -89,6 +90,11 @@ fn sums(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
     }
     let right = whole.iter().filter(|(.., score)| *score == Score::Right).count();
     let _ = writeln!(out, "| **total** | {} | {right} of {} right |", counts(&|_| true), whole.len());
+    let run = |machine: &Machine| scored.iter().any(|(of, row, _)| of.name == machine.name && row.split == "all");
+    let missing: Vec<&str> = MACHINES.iter().filter(|machine| !run(machine)).map(|machine| machine.name).collect();
+    if !missing.is_empty() {
+        let _ = writeln!(out, "\nNo row over all recordings yet: {}.", missing.join(", "));
+    }
 }
 
 fn details(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
@@ -234,6 +240,7 @@ mod tests {
             "| emps | all | asymmetric_viscous or constant_load | right | partly explained | asymmetric_viscous = \
              constant_load | b 2.70 (2.706) | – | 3.60e-3 → 3.84e-4 | 5.10e-3 m | 4.3 |",
             "- frc-left, all: no window",
+            "No row over all recordings yet: laas-sine, laas-speed, xl330,",
         ] {
             assert!(text.contains(line), "{line}\n{text}");
         }
