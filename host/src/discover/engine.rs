@@ -28,8 +28,12 @@ const ROUGH: f64 = 150.0;
 /// windows and nothing predicts it with a z over blocks of more than the last.
 const SHAKEN: [f64; 3] = [5.0, 5.0, 4.5];
 /// Held-out simulation error over the sensor's noise below which a model that the simulated motion found is believed, though
-/// something is left.
-const NEAR: f64 = 1.5;
+/// something is left, if it is half of what the force fit leaves.
+const NEAR: f64 = 5.0;
+/// The same up to which the sensor's noise is all that is left, and from which no model is sought where something gains that has no
+/// name.
+const AT_THE_NOISE: f64 = 1.1;
+const HOPELESS: f64 = 60.0;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
@@ -111,7 +115,12 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut found = match by_force {
         Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
         Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small) if small.down_to_the_noise() || small.over_noise() < NEAR.min(by_force.over_noise()) => small,
+            Ok(small)
+                if small.down_to_the_noise()
+                    || (!small.effects.is_empty() && small.over_noise() < NEAR.min(0.5 * by_force.over_noise())) =>
+            {
+                small
+            }
             _ => by_force,
         },
         Some(Err(_)) | None => small_effects::found(request, &units, ruling.as_ref(), progress)?,
@@ -126,14 +135,14 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
 fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
     let [simulated, left, z] = SHAKEN;
     let remainder = &ruling.remainder;
-    let shaken = found.over_noise() < simulated
+    let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
         && remainder.over_noise > left
         && remainder.predictable.is_none()
         && remainder.significance < z;
     let ripples =
         !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
     // Something gains on the measured forces that is no name: the simulated motion would find one for it.
-    let unknown = ruling.findings.is_empty() && remainder.predictable.is_some() && found.over_noise() > simulated;
+    let unknown = ruling.findings.is_empty() && remainder.predictable.is_some() && found.over_noise() > HOPELESS;
     shaken || ripples || unknown || found.over_noise() > ROUGH
 }
 

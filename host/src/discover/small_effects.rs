@@ -47,7 +47,8 @@ fn within(
     ruling: Option<&Ruling>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
-    let start = prepared(request, segment_s, ruling, progress)?;
+    let start =
+        prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
     let chain = grown(Chain::new(&start.data, units, start.base.clone()), progress);
     let other = chain.begun_otherwise().map(|other| grown(other, progress)).find(|other| other.replaces(&chain));
     let ended = other.unwrap_or(chain).end();
