@@ -3,12 +3,14 @@
 mod elf;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
 
 use crate::cross::{self, Toolchain};
+use crate::qemu;
 use crate::run::root;
 
 /// What was measured on purpose, and committed.
@@ -33,23 +35,22 @@ struct Record {
     measured: BTreeMap<String, u64>,
 }
 
-/// Measures, and compares or records.
-pub fn measure(toolchain: Toolchain, record: bool) -> Result<()> {
-    crate::image::qemu()?;
+/// Measures everything, and compares or records.
+pub fn all(record: bool) -> Result<()> {
+    let qemu = qemu::program()?;
+    measure(cross::install()?, Some(&qemu), record)
+}
+
+/// Measures, and compares or records. Without a QEMU only what the linker knows.
+pub fn measure(toolchain: Toolchain, qemu: Option<&Path>, record: bool) -> Result<()> {
     cross::build(toolchain, &cross::INTEGER_TICK)?;
     elf::integers_only(&cross::binary(&cross::INTEGER_TICK, "integer-tick"))?;
     cross::build(toolchain, &cross::BUDGET)?;
-    let measured = run(&cross::binary(&cross::BUDGET, "budget"))?;
     cross::build(toolchain, &cross::IMAGE)?;
     let sizes = elf::sizes(&cross::binary(&cross::IMAGE, "mps2-an386"))?;
-    let statics = ["tick_bytes", "app_bytes", "channels_bytes", "sums_bytes"];
-    let state: u64 = statics.iter().filter_map(|name| measured.get(*name)).sum();
-    let mut now = measured;
-    now.insert("flash_bytes".into(), sizes.flash);
-    // The virtual board keeps tick and application on its stack; a board with interrupts has them in statics.
-    now.insert("ram_bytes".into(), sizes.ram + state);
-    if let Some(stack) = now.get_mut("stack_bytes") {
-        *stack = stack.saturating_sub(state);
+    let mut now = BTreeMap::from([("flash_bytes".to_owned(), sizes.flash)]);
+    if let Some(qemu) = qemu {
+        now.extend(counted(qemu, sizes.ram)?);
     }
     cross::build(toolchain, &cross::NUCLEO)?;
     let nucleo = elf::sizes(&cross::binary(&cross::NUCLEO, "nucleo-g474re"))?;
@@ -65,6 +66,19 @@ pub fn measure(toolchain: Toolchain, record: bool) -> Result<()> {
     let recorded: Record = toml::from_str(&text).with_context(|| RECORD)?;
     let wrong = table(&now, &recorded.measured);
     if wrong.is_empty() { Ok(()) } else { bail!("{}", wrong.join("; ")) }
+}
+
+/// What the measuring image says of itself under QEMU, and the RAM of the board's image, whose statics are `statics` bytes.
+fn counted(qemu: &Path, statics: u64) -> Result<BTreeMap<String, u64>> {
+    let mut now = run(qemu, &cross::binary(&cross::BUDGET, "budget"))?;
+    let parts = ["tick_bytes", "app_bytes", "channels_bytes", "sums_bytes"];
+    let state: u64 = parts.iter().filter_map(|name| now.get(*name)).sum();
+    // The virtual board keeps tick and application on its stack; a board with interrupts has them in statics.
+    now.insert("ram_bytes".into(), statics + state);
+    if let Some(stack) = now.get_mut("stack_bytes") {
+        *stack = stack.saturating_sub(state);
+    }
+    Ok(now)
 }
 
 /// Prints every number; what is wrong with them.
@@ -90,12 +104,12 @@ fn table(now: &BTreeMap<String, u64>, recorded: &BTreeMap<String, u64>) -> Vec<S
     wrong
 }
 
-/// Runs the measuring image; its `name = number` lines.
-pub fn run(image: &std::path::Path) -> Result<BTreeMap<String, u64>> {
-    let mut qemu = Command::new("qemu-system-arm");
+/// Runs a measuring image; its `name = number` lines.
+pub fn run(qemu: &Path, image: &Path) -> Result<BTreeMap<String, u64>> {
+    let mut qemu = Command::new(qemu);
     qemu.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none", "-nodefaults", "-icount", ICOUNT]);
     qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    let output = qemu.stdin(std::process::Stdio::null()).output().context("qemu-system-arm")?;
+    let output = qemu.stdin(std::process::Stdio::null()).output().context("QEMU")?;
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
         bail!("{} under QEMU: {}: {said}", image.display(), output.status);

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
-use crate::debian;
+use crate::debian::rust;
 use crate::run::{answer, cargo, root, run, run_within, succeeds};
 
 /// Cortex-M4F: the board.
@@ -83,7 +83,7 @@ pub const NUCLEO: Build = Build {
 pub fn build(toolchain: Toolchain, build: &Build) -> Result<()> {
     let mut command = match toolchain {
         Toolchain::Active => cargo(["build"]),
-        Toolchain::Debian => debian::cargo_build(build.target),
+        Toolchain::Debian => rust::cargo_build(build.target),
     };
     command.args(["--target", build.target]);
     for package in build.packages {
@@ -124,13 +124,10 @@ pub fn install() -> Result<Toolchain> {
         Ok(()) => println!("rustup has another toolchain than {}", rustc().get_program().display()),
         Err(error) => println!("{error:#}"),
     }
-    if let Err(error) = debian::install() {
-        bail!(
-            "{error:#}; install the targets by `rustup target add {}`, or on Debian the packages `{}`",
-            TARGETS.join(" "),
-            debian::PACKAGES.join(" ")
-        );
-    }
+    rust::unpack().with_context(|| {
+        let packages = rust::PACKAGES.join(" ");
+        format!("install the targets by `rustup target add {}`, or on Debian {packages}", TARGETS.join(" "))
+    })?;
     Ok(Toolchain::Debian)
 }
 
@@ -140,7 +137,7 @@ fn rustup_add() -> Result<()> {
     }
     // rustup fails at once where it is refused; where packets are merely lost it would wait long. The packages
     // being there already says that this machine has been refused before.
-    let limit = if debian::installed() { 20 } else { 180 };
+    let limit = if rust::is_there() { 20 } else { 180 };
     let mut command = Command::new("rustup");
     run_within(command.args(["target", "add"]).args(TARGETS), Duration::from_secs(limit))
 }
@@ -155,12 +152,9 @@ fn installed(target: &str) -> bool {
         .is_some_and(|folder| Path::new(&folder).is_dir())
 }
 
-/// The linker that rustup's toolchain brings; else the one of Debian's package `lld`.
-pub fn linker() -> String {
-    let bundled = || {
-        let libraries = answer(rustc().args(["--print", "target-libdir"]))?;
-        let linker = Path::new(&libraries).with_file_name("bin").join("rust-lld");
-        linker.is_file().then(|| linker.display().to_string())
-    };
-    bundled().unwrap_or_else(|| "ld.lld".to_owned())
+/// The linker that rustup's toolchain brings.
+pub fn bundled_linker() -> Option<PathBuf> {
+    let libraries = answer(rustc().args(["--print", "target-libdir"]))?;
+    let linker = Path::new(&libraries).with_file_name("bin").join("rust-lld");
+    linker.is_file().then_some(linker)
 }

@@ -1,14 +1,16 @@
 //! `cargo xtask image`: the virtual board's image, and the QEMU that runs it.
 
-use std::process::Command;
-
 use anyhow::{Context, Result};
 
 use crate::cross::{self, Toolchain};
-use crate::debian;
-use crate::run::succeeds;
+use crate::qemu;
 
-const QEMU: &str = "qemu-system-arm";
+/// Builds the image, and sees to it that there is a QEMU.
+pub fn all() -> Result<()> {
+    build(cross::install()?)?;
+    println!("{}", qemu::program()?.display());
+    Ok(())
+}
 
 /// Builds the image and puts it where the host's tools look for it: `images/` in the target folder.
 pub fn build(toolchain: Toolchain) -> Result<()> {
@@ -22,13 +24,4 @@ pub fn build(toolchain: Toolchain) -> Result<()> {
     std::fs::rename(&beside, &to).with_context(|| to.display().to_string())?;
     println!("{}", to.display());
     Ok(())
-}
-
-/// Installs QEMU unless it is there.
-pub fn qemu() -> Result<()> {
-    if succeeds(Command::new(QEMU).arg("--version")) {
-        return Ok(());
-    }
-    debian::install_packages(&[QEMU])
-        .with_context(|| format!("{QEMU} is missing; install it by `apt-get install {QEMU}`"))
 }

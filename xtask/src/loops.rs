@@ -4,11 +4,12 @@ use anyhow::Result;
 
 use crate::cross::Toolchain;
 use crate::image;
+use crate::qemu;
 use crate::run::{cargo, run};
 
 /// Builds the image and runs them one after the other; what they print is the table of docs/control.md.
 pub fn all(toolchain: Toolchain) -> Result<()> {
-    image::qemu()?;
+    qemu::program()?;
     image::build(toolchain)?;
     run(&mut cargo(["build", "--package", "breakaway"]))?;
     run(&mut cargo([

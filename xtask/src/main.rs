@@ -12,6 +12,7 @@ mod fuzz;
 mod image;
 mod loops;
 mod miri;
+mod qemu;
 mod report;
 mod run;
 mod setup;
@@ -24,11 +25,13 @@ use clap::Parser;
 #[derive(Parser)]
 #[command(bin_name = "cargo xtask", about = "The developer's one entry")]
 enum Task {
-    /// Format, lints, all host tests, doctests, and the builds for the microcontrollers
+    /// Format, lints, all host tests, doctests, and the builds for the microcontrollers; ends with the ten slowest tests,
+    /// what could not be run here, and `N passed, N failed`
     Test,
-    /// Install what `test` needs beyond rustup's stable toolchain
+    /// Fetch what `test` needs beyond rustup's stable toolchain: rustfmt, clippy and the microcontrollers' targets from
+    /// rustup, QEMU from Debian's packages, unpacked under the target folder; root is not needed
     Setup,
-    /// Build the virtual board's firmware, for `breakaway virtual-board`
+    /// Build the virtual board's firmware, for `breakaway virtual-board`, and fetch QEMU if it is missing
     Image,
     /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
     #[command(alias = "size")]
@@ -95,8 +98,8 @@ fn main() -> ExitCode {
     let result = match Task::parse() {
         Task::Test => return check::all(),
         Task::Setup => setup::all(),
-        Task::Image => cross::install().and_then(image::build),
-        Task::Budget { record } => cross::install().and_then(|toolchain| budget::measure(toolchain, record)),
+        Task::Image => image::all(),
+        Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),
         Task::Arrows => arrows::draw(),
         Task::Miri { filter } => miri::run(filter.as_deref()),

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::report::Counts;
+use crate::report::Tests;
 
 /// The cargo that runs this program (so that all steps use one toolchain), at the root of the workspace.
 pub fn cargo<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Command {
@@ -57,19 +57,19 @@ pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
 }
 
 /// As [`run`], counting what the test runner in it reports. The counts hold whether it fails or not.
-pub fn run_counting(command: &mut Command) -> (Counts, Result<()>) {
+pub fn run_counting(command: &mut Command) -> (Tests, Result<()>) {
     let line = announce(command);
     let mut child = match command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn() {
         Ok(child) => child,
-        Err(error) => return (Counts::default(), Err(error).context(line)),
+        Err(error) => return (Tests::default(), Err(error).context(line)),
     };
     let out = child.stdout.take().map(|pipe| thread::spawn(|| relay(pipe, std::io::stdout())));
     let err = child.stderr.take().map(|pipe| thread::spawn(|| relay(pipe, std::io::stderr())));
     let status = child.wait();
-    let mut counts = Counts::default();
+    let mut tests = Tests::default();
     for reader in [out, err].into_iter().flatten() {
         if let Ok(seen) = reader.join() {
-            counts += seen;
+            tests += seen;
         }
     }
     let result = match status {
@@ -77,7 +77,7 @@ pub fn run_counting(command: &mut Command) -> (Counts, Result<()>) {
         Ok(status) => Err(anyhow::anyhow!("{line}: {status}")),
         Err(error) => Err(error).context(line),
     };
-    (counts, result)
+    (tests, result)
 }
 
 /// Whether a command starts and succeeds; its output is discarded.
@@ -105,17 +105,19 @@ pub fn processor_time_s() -> Result<f64> {
     Ok(ticks.iter().sum::<f64>() / TICKS_PER_S)
 }
 
-fn relay(pipe: impl Read, mut to: impl Write) -> Counts {
-    let mut counts = Counts::default();
+/// Copies line by line, but the lines of tests that passed.
+fn relay(pipe: impl Read, mut to: impl Write) -> Tests {
+    let mut tests = Tests::default();
     let mut pipe = BufReader::new(pipe);
     let mut line = Vec::new();
     while pipe.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
-        counts += Counts::in_line(&String::from_utf8_lossy(&line));
-        // A reader of ours that went away must not stop the tests.
-        let _ = to.write_all(&line).and_then(|()| to.flush());
+        if tests.take(&String::from_utf8_lossy(&line)) {
+            // A reader of ours that went away must not stop the tests.
+            let _ = to.write_all(&line).and_then(|()| to.flush());
+        }
         line.clear();
     }
-    counts
+    tests
 }
 
 /// Shows the command as one could type it, and cuts it off from the terminal's input.

@@ -1,4 +1,4 @@
-//! `cargo xtask setup`: what `cargo xtask test` would install on its way, installed now.
+//! `cargo xtask setup`: what `cargo xtask test` would fetch on its way, fetched now.
 
 use std::process::Command;
 use std::time::Duration;
@@ -6,18 +6,18 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use crate::cross::{self, Toolchain};
-use crate::image;
+use crate::qemu;
 use crate::run::{cargo, run_within, succeeds};
 
-/// Installs everything.
+/// Fetches everything.
 pub fn all() -> Result<()> {
     components()?;
-    image::qemu()?;
+    let qemu = qemu::program()?;
     let whose = match cross::install()? {
         Toolchain::Active => "the active",
         Toolchain::Debian => "Debian's",
     };
-    println!("ready: {whose} toolchain builds for the microcontrollers");
+    println!("ready: {whose} toolchain builds for the microcontrollers, {} runs the virtual board", qemu.display());
     Ok(())
 }
 

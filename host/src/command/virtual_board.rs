@@ -18,9 +18,10 @@ use crate::model::Model;
   breakaway virtual-board --plant plant.toml
   breakaway run suite --port PORT -o session        (PORT as printed, in another terminal)
 
-It runs until Ctrl-C. Needs qemu-system-arm (apt-get install qemu-system-arm) and the firmware's image (cargo xtask
-image). Without --plant the plant of the papers is taken. The board's settings start as the options say: encoder step,
-drive at full scale, units of the plant; with --flash they are kept as on a real board.
+It runs until Ctrl-C. Needs the firmware's image and qemu-system-arm: cargo xtask image builds the one and fetches the
+other; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant the plant of the papers is taken. The board's
+settings start as the options say: encoder step, drive at full scale, units of the plant; with --flash they are kept as
+on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
 break=NUMBER, supply=MV, reset, garbage=BYTES, host-gone, link-noise=PPM (bytes of a million, either way),

@@ -9,6 +9,7 @@ use crate::identify::breakaway;
 /// A Stribeck effect of half the Coulomb friction, over an encoder of 1 mrad.
 #[test]
 fn the_suite_over_the_port_names_an_effect_of_the_plant() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("plant.toml");
     papers_plant().write(&file).unwrap();

@@ -12,6 +12,7 @@ use crate::bench::Bench;
 
 #[test]
 fn a_frozen_encoder() {
+    needs_qemu!();
     let mut bench = Bench::new(|options| options.settings.frozen_ticks = 200);
     bench.swing();
     // The settings' 200 ticks, up to half a cycle (T = 0.73 s) until both relays push the same way, and two.
@@ -22,6 +23,7 @@ fn a_frozen_encoder() {
 
 #[test]
 fn an_encoder_that_jumps_and_one_that_dies() {
+    needs_qemu!();
     let mut bench = Bench::new(|_| {});
     bench.swing();
     bench.breaks(Fault::EncoderJump(5000), 1);
@@ -47,6 +49,7 @@ fn an_encoder_that_jumps_and_one_that_dies() {
 
 #[test]
 fn late_ticks_and_a_missing_supply() {
+    needs_qemu!();
     let mut bench = Bench::new(|options| options.settings.overrun_limit = 1);
     bench.swing();
     // 0.6 of a period late: more than the half that is allowed.
@@ -63,6 +66,7 @@ fn late_ticks_and_a_missing_supply() {
 
 #[test]
 fn a_host_that_is_gone() {
+    needs_qemu!();
     let mut bench = Bench::new(|options| options.settings.command_timeout_ms = 2_000);
     bench.swing();
     let seen = bench.board.watch();
@@ -81,6 +85,7 @@ fn a_host_that_is_gone() {
 /// 4000:host-gone`. Not at a tick told beforehand: on a busy machine two seconds of motion are not captured by then.
 #[test]
 fn a_host_that_is_cut_off_in_mid_motion() {
+    needs_qemu!();
     let mut bench = Bench::new(|options| {
         options.settings.command_timeout_ms = 2_000;
         options.cable = true;
@@ -117,6 +122,7 @@ fn a_host_that_is_cut_off_in_mid_motion() {
 
 #[test]
 fn a_travel_limit_ends_the_run_and_is_no_fault() {
+    needs_qemu!();
     let mut bench = Bench::new(|options| options.settings.travel_max_counts = 300);
     bench.done(Command::StreamOn { decimation: 1 });
     let ended = bench.run_relay(2.0, 1.5, 0);
@@ -132,6 +138,7 @@ fn a_travel_limit_ends_the_run_and_is_no_fault() {
 
 #[test]
 fn a_reset_during_a_run() {
+    needs_qemu!();
     let mut bench = Bench::new(|_| {});
     bench.swing();
     bench.breaks(Fault::Reset, 2);
@@ -145,6 +152,7 @@ fn a_reset_during_a_run() {
 /// Garbage on the link, on the parser of the real image: counted, and the next command is answered.
 #[test]
 fn garbage_on_the_link() {
+    needs_qemu!();
     let mut bench = Bench::new(|_| {});
     bench.swing();
     bench.board.inject(Fault::Garbage(MOST_GARBAGE));

@@ -6,6 +6,7 @@ use crate::bench::Bench;
 
 #[test]
 fn settings_and_model_are_kept_and_a_corrupt_image_is_reported() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("flash.bin");
     let with_flash = |options: &mut breakaway::device::virtual_board::Options| options.flash = Some(file.clone());

@@ -40,6 +40,7 @@ fn relay_file(folder: &std::path::Path, name: &str, h1: f64, h2: f64) -> String 
 /// `run` and `identify` on the host: within 1 % of the plant.
 #[test]
 fn relay_experiments_over_the_port_identify_the_plant() {
+    needs_qemu!();
     let board = start(&options(&papers_plant()));
     let folder = tempfile::tempdir().unwrap();
     let session = folder.path().display().to_string();
@@ -61,6 +62,7 @@ fn relay_experiments_over_the_port_identify_the_plant() {
 /// The board by itself: the weak form in f32 and the integer sine fit, solved on the (emulated) Cortex-M4F.
 #[test]
 fn the_board_identifies_by_itself() {
+    needs_qemu!();
     let mut bench = Bench::new(|_| {});
     for (h1, h2) in [(2.0, 1.5), (1.0, 0.7)] {
         assert_eq!(bench.run_relay(h1, h2, 12_000).ending, Ending::TimeUp);

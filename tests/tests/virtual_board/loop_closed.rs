@@ -54,6 +54,7 @@ impl Closed {
 
 #[test]
 fn cogging_that_was_discovered_is_compensated() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let closed = close(COGGING, folder.path());
     closed.reaches_the_goals();
@@ -68,6 +69,7 @@ fn cogging_that_was_discovered_is_compensated() {
 #[test]
 #[ignore = "a minute: cargo xtask loops"]
 fn stribeck_friction_that_was_discovered_is_compensated() {
+    needs_qemu!();
     close(STRIBECK, tempfile::tempdir().unwrap().path()).reaches_the_goals();
 }
 
@@ -76,11 +78,13 @@ fn stribeck_friction_that_was_discovered_is_compensated() {
 #[test]
 #[ignore = "a minute: cargo xtask loops"]
 fn asymmetric_viscous_friction_that_was_discovered_is_compensated() {
+    needs_qemu!();
     close(ASYMMETRIC, tempfile::tempdir().unwrap().path()).is_as_good_as_the_truth();
 }
 
 #[test]
 fn position_friction_that_was_discovered_is_compensated() {
+    needs_qemu!();
     close(POSITION, tempfile::tempdir().unwrap().path()).reaches_the_goals();
 }
 
@@ -88,6 +92,7 @@ fn position_friction_that_was_discovered_is_compensated() {
 #[test]
 #[ignore = "a minute: cargo xtask loops"]
 fn a_constant_load_is_no_worse_than_the_integral() {
+    needs_qemu!();
     let closed = close(LOAD, tempfile::tempdir().unwrap().path());
     // The encoder's rounding, 0.29 steps in either, makes ratios of either of 5 %.
     assert!(closed.whole <= 1.05 * closed.base, "{closed:?}");
@@ -97,6 +102,7 @@ fn a_constant_load_is_no_worse_than_the_integral() {
 /// A reference that the board does not make itself, and one that leaves its travel, are refused before anything moves.
 #[test]
 fn what_the_board_cannot_follow_is_said_before_it_moves() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.toml");
     papers_plant().write(&model).unwrap();
@@ -122,6 +128,7 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
 /// rounding (0.29 steps) and less than another step. The plant is the model.
 #[test]
 fn an_s_curve_is_followed_there_and_back() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.toml");
     papers_plant().write(&model).unwrap();
@@ -138,6 +145,7 @@ fn an_s_curve_is_followed_there_and_back() {
 /// The demo tells the same story of another effect. Of the base model half of the Stribeck effect is left at least.
 #[test]
 fn the_demo_on_the_virtual_board_names_and_compensates_what_it_hid() {
+    needs_qemu!();
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("demo");
     let told = breakaway(&["demo", "--virtual", "--seed", "1", "-o", &output.display().to_string()]);

@@ -6,6 +6,7 @@ use breakaway_tests::soak::soak;
 
 #[test]
 fn nothing_is_lost_but_the_frames_that_were_hit() {
+    needs_qemu!();
     // 2000 hits of a million bytes: a third of the frames.
     let outcome = soak(Duration::from_secs(8), 2_000, 7).unwrap_or_else(|error| panic!("{error}"));
     let failures = outcome.failures();

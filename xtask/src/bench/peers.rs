@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 
 use crate::cross::{self, target_folder};
 use crate::run::{answer, cargo, root, run};
-use crate::{budget, fleet};
+use crate::{budget, fleet, qemu};
 
 const PAGE: &str = "docs/benchmarks.md";
 const TEMPLATE: &str = "bench/peers/page.md";
@@ -181,10 +181,10 @@ impl Bench {
 
 /// Counts on the virtual core: neither Python nor our programs are needed.
 fn instructions(folder: &Path) -> Result<()> {
-    crate::image::qemu()?;
+    let qemu = qemu::program()?;
     let toolchain = cross::install()?;
     cross::build(toolchain, &cross::PEERS)?;
-    let counted = budget::run(&cross::binary(&cross::PEERS, "peers"))?;
+    let counted = budget::run(&qemu, &cross::binary(&cross::PEERS, "peers"))?;
     let rows = [
         ("relay", "Breakaway, dual relay on counts (i32)"),
         ("sine_sums", "Breakaway, block phasors of the streaming sine fit (i32)"),

@@ -3,9 +3,14 @@
 /// What went wrong, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum VirtualBoardError {
-    /// QEMU is not installed.
-    #[error("qemu-system-arm is missing: install it by `sudo apt-get install qemu-system-arm`")]
+    /// There is no QEMU.
+    #[error(
+        "qemu-system-arm is missing: `cargo xtask image` fetches it on Debian and Ubuntu; elsewhere install QEMU 5.1 or later"
+    )]
     NoQemu,
+    /// What `BREAKAWAY_QEMU` names does not start.
+    #[error("BREAKAWAY_QEMU names {0}, which does not start: name a qemu-system-arm, or unset it")]
+    NotQemu(String),
     /// The image is not where it should be.
     #[error("the firmware image {0} is missing: build it by `cargo xtask image`")]
     NoImage(String),

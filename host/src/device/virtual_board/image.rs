@@ -1,4 +1,4 @@
-//! Where the firmware's image is.
+//! Where the firmware's image is, and what else `cargo xtask image` leaves beside it.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::VirtualBoardError;
 
-/// Where `cargo xtask image` puts it, below the target folder.
-const IMAGE: &str = "images/mps2-an386.elf";
+/// What `cargo xtask image` calls it.
+const IMAGE: &str = "mps2-an386.elf";
 /// Names another.
 const VARIABLE: &str = "BREAKAWAY_IMAGE";
 
@@ -29,9 +29,13 @@ pub fn find(given: Option<&Path>) -> Result<PathBuf, VirtualBoardError> {
             _ => Err(VirtualBoardError::NotAnImage(image.display().to_string())),
         };
     }
+    in_images(IMAGE).ok_or_else(|| VirtualBoardError::NoImage(format!("images/{IMAGE}")))
+}
+
+/// A file that `cargo xtask image` leaves in `images/` of the target folder from which this program runs.
+pub(super) fn in_images(name: &str) -> Option<PathBuf> {
     let program = std::env::current_exe().unwrap_or_default();
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
     let folders = program.ancestors().skip(1).take(4).map(Path::to_path_buf).chain([workspace]);
-    let mut images = folders.map(|folder| folder.join(IMAGE));
-    images.find(|image| image.is_file()).ok_or_else(|| VirtualBoardError::NoImage(IMAGE.to_owned()))
+    folders.map(|folder| folder.join("images").join(name)).find(|file| file.is_file())
 }

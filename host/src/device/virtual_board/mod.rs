@@ -23,6 +23,7 @@ pub use injection::{FAULTS, Fault, Injection, MOST_GARBAGE, MOST_NOISE};
 use lockstep::{Answer, Lockstep};
 pub use plant::{Machine, SimulatedMachine};
 use qemu::Qemu;
+pub use qemu::find as find_qemu;
 use relay::Relay;
 pub use relay::{Counts, Traffic};
 

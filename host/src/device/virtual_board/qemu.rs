@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -10,9 +10,12 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::VirtualBoardError;
+use super::image::in_images;
 use super::lockstep::Lockstep;
 
 const QEMU: &str = "qemu-system-arm";
+/// Names another program.
+const VARIABLE: &str = "BREAKAWAY_QEMU";
 /// How long QEMU may take to come up.
 const START: Duration = Duration::from_secs(20);
 
@@ -27,7 +30,7 @@ pub(super) struct Qemu {
     /// The pseudo-terminal of the link.
     pub port: String,
     monitor: UnixStream,
-    log: std::path::PathBuf,
+    log: PathBuf,
     /// Sockets and log; removed at the end.
     _folder: tempfile::TempDir,
 }
@@ -35,10 +38,7 @@ pub(super) struct Qemu {
 impl Qemu {
     /// Starts it; the lock-step is connected, the firmware about to announce itself.
     pub(super) fn start(image: &Path, flash: Option<&Path>) -> Result<(Self, Lockstep), VirtualBoardError> {
-        let there = Command::new(QEMU).arg("--version").stdin(Stdio::null()).output();
-        if !there.is_ok_and(|output| output.status.success()) {
-            return Err(VirtualBoardError::NoQemu);
-        }
+        let program = find()?;
         let folder = tempfile::Builder::new().prefix("breakaway").tempdir()?;
         let plant = UnixListener::bind(folder.path().join("plant"))?;
         let control = UnixListener::bind(folder.path().join("monitor"))?;
@@ -55,8 +55,8 @@ impl Qemu {
             semihosting = format!("{semihosting},arg={name}");
         }
         let mut command = Command::new("sh");
-        command.args(["-c", SHELL, "sh", QEMU, "-M", "mps2-an386", "-display", "none", "-nodefaults", "-kernel"]);
-        command.arg(image);
+        command.args(["-c", SHELL, "sh"]).arg(program);
+        command.args(["-M", "mps2-an386", "-display", "none", "-nodefaults", "-kernel"]).arg(image);
         command.args(["-chardev", "pty,id=link", "-serial", "chardev:link"]);
         command.args(["-chardev", &socket("plant"), "-serial", "chardev:plant"]);
         command.args(["-chardev", &socket("monitor"), "-mon", "chardev=monitor,mode=readline"]);
@@ -130,6 +130,23 @@ impl Drop for Qemu {
         drop(self.child.stdin.take());
         let _ = self.child.wait();
     }
+}
+
+/// The program that `BREAKAWAY_QEMU` names; else the script that `cargo xtask image` has written beside the image, where it
+/// found none installed; else the one installed.
+///
+/// # Errors
+/// [`VirtualBoardError::NotQemu`], [`VirtualBoardError::NoQemu`].
+pub fn find() -> Result<PathBuf, VirtualBoardError> {
+    let starts = |program: &PathBuf| {
+        let said = Command::new(program).arg("--version").stdin(Stdio::null()).output();
+        said.is_ok_and(|output| output.status.success())
+    };
+    if let Some(named) = std::env::var_os(VARIABLE).map(PathBuf::from) {
+        return if starts(&named) { Ok(named) } else { Err(VirtualBoardError::NotQemu(named.display().to_string())) };
+    }
+    let mut programs = in_images(QEMU).into_iter().chain([PathBuf::from(QEMU)]);
+    programs.find(starts).ok_or(VirtualBoardError::NoQemu)
 }
 
 /// Waits for QEMU to connect, unless it ends before.

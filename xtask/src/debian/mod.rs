@@ -1,0 +1,7 @@
+//! Debian's packages, unpacked under the target folder: nothing is installed or removed, and nobody need be root.
+
+mod apt;
+pub mod rust;
+mod tree;
+
+pub use tree::Tree;
