@@ -98,7 +98,7 @@ pub(super) fn force(ruling: &Ruling) -> Force {
         random: ruling.remainder.rms_u,
         random_share: ruling.remainder.share,
         bandwidth_hz: ruling.remainder.bandwidth_hz,
-        predictable: ruling.remainder.predictable.map(|name| name.text()),
+        predictable: ruling.remainder.predictable.map(super::judge::term::Name::text),
     }
 }
 

@@ -46,7 +46,7 @@ impl Repair {
             let leapt = |&at: &usize| stamp > stamps[at] && stamps[last] - stamps[at] > GAP_FACTOR * typical;
             if goes_on {
                 repair.stray.push(row);
-            } else if before.filter(leapt).is_some() {
+            } else if before.as_ref().is_some_and(leapt) {
                 repair.stray.push(last);
                 last = row;
             } else {
@@ -99,7 +99,9 @@ impl Table {
             })
             .collect();
         for rows in [&mut self.breaks, &mut self.restarts] {
-            rows.iter_mut().for_each(|row| *row = renumbered.get(*row).copied().unwrap_or(rows_before));
+            for row in rows.iter_mut() {
+                *row = renumbered.get(*row).copied().unwrap_or(rows_before);
+            }
             rows.retain(|&row| row > 0 && row < rows_before);
             rows.dedup();
         }

@@ -98,7 +98,10 @@ fn session(folder: &Path) {
     fs::write(folder.join("relay.toml"), relay).unwrap();
     assert!(breakaway(folder, &["run", "relay.toml", "-o", "."]).status.success());
     let rows = |x: fn(i32) -> f64| {
-        (0..40).map(|k| format!("{},{},{}\n", f64::from(k) * 1e-3, k % 5, x(k))).collect::<String>()
+        (0..40).fold(String::new(), |mut rows, k| {
+            writeln!(rows, "{},{},{}", f64::from(k) * 1e-3, k % 5, x(k)).unwrap();
+            rows
+        })
     };
     fs::write(folder.join("still.csv"), format!("# units: u=V, x=rad\nt,u,x\n{}", rows(|_| 3.5))).unwrap();
     let flicker = rows(|k| if k % 7 == 0 { 0.001 } else { 0.0 });

@@ -131,7 +131,9 @@ fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Pi
     let mut pieces: Vec<Piece> = bounds.windows(2).filter_map(|w| each(w[0]..w[1])).collect();
     let quantised = recording.encoder_step.unwrap_or(0.0) / (12.0 * average as f64).sqrt();
     let sigma = noise(&pieces).max(quantised).max(f64::MIN_POSITIVE);
-    pieces.iter_mut().for_each(|piece| piece.sigma = sigma);
+    for piece in &mut pieces {
+        piece.sigma = sigma;
+    }
     pieces
 }
 

@@ -89,33 +89,28 @@ impl<'a> Library<'a> {
         terms
     }
 
-    fn effect(&self, kind: Kind, fields: Vec<Field>) -> Term {
-        Term::force(Name::Effect(kind), fields)
-    }
-
     fn field(&self, f: impl Fn(Sample) -> f64) -> Field {
         self.form.field(f)
     }
 
     fn of_the_motion(&self) -> Vec<Term> {
         let mut terms = vec![
-            self.effect(Kind::ConstantLoad, vec![self.field(|_| 1.0)]),
-            self.effect(Kind::AsymmetricViscous, vec![self.field(|s| s.v.abs())]),
-            self.effect(Kind::QuadraticDrag, vec![self.field(|s| s.v * s.v.abs())]).signed(Sign::Positive),
+            effect(Kind::ConstantLoad, vec![self.field(|_| 1.0)]),
+            effect(Kind::AsymmetricViscous, vec![self.field(|s| s.v.abs())]),
+            effect(Kind::QuadraticDrag, vec![self.field(|s| s.v * s.v.abs())]).signed(Sign::Positive),
         ];
         let centre = self.centre();
-        terms.push(
-            self.effect(Kind::Spring, vec![self.field(|s| s.x - centre), self.field(|_| 1.0)]).signed(Sign::Positive),
-        );
+        terms
+            .push(effect(Kind::Spring, vec![self.field(|s| s.x - centre), self.field(|_| 1.0)]).signed(Sign::Positive));
         if let Some(radians) = self.radians {
             let sine = self.field(|s| (radians * s.x).sin());
-            terms.push(self.effect(Kind::GravityLoad, vec![sine, self.field(|s| (radians * s.x).cos())]));
+            terms.push(effect(Kind::GravityLoad, vec![sine, self.field(|s| (radians * s.x).cos())]));
         }
         for share in [0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5] {
             let vs = share * self.form.v95;
             for p in [1.0, 2.0] {
                 let field = self.field(|s| (-(s.v.abs() / vs).powf(p)).exp() * s.direction);
-                let mut term = self.effect(Kind::Stribeck, vec![field]).signed(Sign::Positive).with(1, vs);
+                let mut term = effect(Kind::Stribeck, vec![field]).signed(Sign::Positive).with(1, vs);
                 if p != 2.0 {
                     term.parameters.push((2, p));
                 }
@@ -136,7 +131,7 @@ impl<'a> Library<'a> {
         let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
         let make = |fields: Vec<Field>| {
             let columns = fields.into_iter();
-            let mut term = self.effect(kind, Vec::new());
+            let mut term = effect(kind, Vec::new());
             term.u = if kind == Kind::EncoderEccentricity {
                 columns.map(Column::Displacement).collect()
             } else {
@@ -214,18 +209,18 @@ impl<'a> Library<'a> {
         let mut terms = Vec::new();
         let noise = self.form.dataset.pieces.iter().map(|p| p.sigma).fold(0.0, f64::max);
         let (least, most) = (6.0 * noise, 0.7 * self.travel);
-        if !(most > least) || self.model.terms.iter().any(|t| t.replaces_direction) {
+        if most <= least || self.model.terms.iter().any(|t| t.replaces_direction) {
             return terms;
         }
         for i in 0..11 {
             let stroke = least * (most / least).powf(f64::from(i) / 10.0);
-            let mut term = self.effect(Kind::Dahl, vec![self.bristle(stroke, None)]).with(0, stroke);
+            let mut term = effect(Kind::Dahl, vec![self.bristle(stroke, None)]).with(0, stroke);
             term.replaces_direction = true;
             terms.push(term.signed(Sign::Positive));
             for (share, rise) in [(0.03, 0.3), (0.03, 0.8), (0.1, 0.3), (0.1, 0.8)] {
                 let vs = share * self.form.v95;
                 let field = self.bristle(stroke, Some((vs, rise)));
-                let mut term = self.effect(Kind::LuGre, vec![field]).with(0, stroke).with(1, vs).with(2, rise);
+                let mut term = effect(Kind::LuGre, vec![field]).with(0, stroke).with(1, vs).with(2, rise);
                 term.replaces_direction = true;
                 terms.push(term.signed(Sign::Positive));
             }
@@ -315,7 +310,7 @@ impl<'a> Library<'a> {
         let mut terms = Vec::new();
         let longest_s = 0.06_f64.max(4.0 * form.half_width_s);
         let arriving = |kind: Kind, arrival: Arrival, parameters: &[f64]| {
-            let mut term = self.effect(kind, Vec::new());
+            let mut term = effect(kind, Vec::new());
             term.parameters = parameters.iter().copied().enumerate().collect();
             term.size = parameters.len();
             term.drive = Some(arrival);
@@ -335,7 +330,7 @@ impl<'a> Library<'a> {
             return terms;
         }
         let of = |drive: &Field| self.field(|s| drive[s.piece][s.k].abs() * s.direction);
-        let mut load = self.effect(Kind::LoadFriction, vec![of(&self.predicted)]).signed(Sign::Positive);
+        let mut load = effect(Kind::LoadFriction, vec![of(&self.predicted)]).signed(Sign::Positive);
         load.a = vec![Column::Force(of(&self.arrived))];
         load.holds_drive = true;
         terms.push(load);
@@ -369,10 +364,10 @@ impl<'a> Library<'a> {
         let (Some(first), Some(last)) = (times.first(), times.last()) else { return terms };
         let (first, span) = (*first, last - first);
         let drift = self.field(|s| s.direction * (s.t - first) / span);
-        terms.push(self.effect(Kind::FrictionDrift, vec![drift]));
+        terms.push(effect(Kind::FrictionDrift, vec![drift]));
         if self.drive_varies() {
             let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
-            let mut term = self.effect(Kind::GainDrift, vec![of(&self.predicted)]);
+            let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
             term.a = vec![Column::Force(of(&self.arrived))];
             term.holds_drive = true;
             terms.push(term);
@@ -382,15 +377,13 @@ impl<'a> Library<'a> {
                 continue;
             }
             let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
-            terms.push(
-                self.effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega),
-            );
+            terms.push(effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega));
         }
         for i in 1..24 {
             let instant = first + span * f64::from(i) / 24.0;
             let after =
                 |values: &[f64]| values.iter().zip(&times).map(|(a, t)| if *t > instant { *a } else { 0.0 }).collect();
-            let mut term = self.effect(Kind::InertiaStep, Vec::new()).with(1, instant);
+            let mut term = effect(Kind::InertiaStep, Vec::new()).with(1, instant);
             term.u = vec![Column::Windows(after(&form.row_a))];
             term.a = vec![Column::Windows(after(&self.predicted_a))];
             terms.push(term);
@@ -439,4 +432,9 @@ impl<'a> Library<'a> {
         terms.retain(|t| t.u.iter().all(|c| super::sides::rows(form, c, None).iter().any(|v| *v != 0.0)));
         terms
     }
+}
+
+/// A force of an effect.
+fn effect(kind: Kind, fields: Vec<Field>) -> Term {
+    Term::force(Name::Effect(kind), fields)
 }

@@ -125,7 +125,7 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
     let named = judged.iter().position(|(_, j)| !j.model.terms.is_empty());
     let (form, own) = judged.get(named.unwrap_or(0))?;
     let predictable = judged.iter().filter(|_| named.is_none()).chain(named.and_then(|i| judged.get(i)));
-    let predictable = predictable.filter_map(|(_, j)| match j.rounds.last()?.outcome {
+    let mut predictable = predictable.filter_map(|(_, j)| match j.rounds.last()?.outcome {
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
@@ -140,7 +140,7 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
-        remainder: remainder(&dataset, own, narrowest, predictable.last(), settings)
+        remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
             .or_else(|| remainder_of(form, own, None))?,
     })
 }

@@ -97,7 +97,7 @@ struct Stage<'a> {
 
 /// Judges.
 pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
-    let mut stage = Stage::new(form, settings, Model::default(), Weights::equal(form))?;
+    let mut stage = Stage::new(form, settings, Model::default(), &Weights::equal(form))?;
     let mut rounds = Vec::new();
     let share = |f: &Fitted| [rms(&f.u.residual) / rms(&form.row_u), rms(&f.a.residual) / rms(&form.row_a)];
     let first = share(&stage.fitted);
@@ -110,7 +110,7 @@ pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
         rounds.push(round);
         let Some(terms) = named else { break };
         let model = terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
-        stage = Stage::new(form, settings, model, stage.weights)?;
+        stage = Stage::new(form, settings, model, &stage.weights)?;
     }
     let last = share(&stage.fitted);
     Some(Judged {
@@ -123,8 +123,8 @@ pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(form: &'a WeakForm<'a>, settings: &'a Settings, model: Model, weights: Weights) -> Option<Self> {
-        let first = model.fit(form, &weights, settings)?;
+    fn new(form: &'a WeakForm<'a>, settings: &'a Settings, model: Model, weights: &Weights) -> Option<Self> {
+        let first = model.fit(form, weights, settings)?;
         let weights = Weights::of(form, &first);
         let fitted = model.fit(form, &weights, settings)?;
         Some(Self { form, settings, model, fitted, weights })
@@ -313,7 +313,7 @@ fn decide(tried: &[Tried], settings: &Settings) -> Outcome {
     };
     let tied = tried.iter().filter(is_effect).filter(near).filter(as_well).filter(|t| t.size() <= simple.size());
     let mut names: Vec<Name> = Vec::new();
-    for name in tied.flat_map(|t| t.names()).filter(|n| !simple.names().contains(n)) {
+    for name in tied.flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
         if !names.contains(&name) {
             names.push(name);
         }

@@ -75,7 +75,9 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
 pub fn coherent(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], k: f64) -> f64 {
     let mut points = points(form, residual, weights, Over::Position);
     let own = spans(&points).into_iter().fold(0.0, f64::max);
-    points.iter_mut().for_each(|p| p.group = 0);
+    for point in &mut points {
+        point.group = 0;
+    }
     let all = spans(&points).into_iter().fold(0.0, f64::max);
     if !(own > 0.0 && all.is_finite()) {
         return k;

@@ -276,8 +276,8 @@ fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
         return vec![0.0; n];
     }
     let mut values = vec![0.0; n];
-    for k in kernel.half..n - kernel.half {
-        values[k] = kernel.at(weights, x, k);
+    for (k, value) in values.iter_mut().enumerate().take(n - kernel.half).skip(kernel.half) {
+        *value = kernel.at(weights, x, k);
     }
     let (first, last) = (values[kernel.half], values[n - 1 - kernel.half]);
     values[..kernel.half].fill(first);
