@@ -61,7 +61,7 @@ fn said(found: &Discovery) -> Said {
         verdict: found.verdict.name().to_owned(),
         named: named.collect(),
         parameters: parameters(found),
-        force: None,
+        force: found.force.map(|force| force.drive),
         // 0 where no window of 1 s is held out.
         open_loop: ends
             .map(|(first, last)| [first.holdout_open_loop_rmse, last.holdout_open_loop_rmse])
