@@ -1,8 +1,9 @@
-//! The catalogue of named physical effects (discovery.md, "The effects"): one file per effect.
+//! The catalogue of named physical effects (docs/effects.md): one file per effect.
 //!
-//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters, where it acts, what
-//! shows it, what it is confused with) and only the hooks through which it acts. The list at the end of this file is
-//! the catalogue; naming, fitting, reporting and the file format follow from it.
+//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters with their roles, where
+//! it acts, what shows it, how it relates to other effects) and only the hooks through which it acts and is compensated.
+//! What is specific to an effect stands in its file and nowhere else. The list at the end of this file is the catalogue;
+//! naming, fitting, reporting and the file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
 mod canonical;
