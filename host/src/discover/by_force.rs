@@ -1,6 +1,6 @@
 //! The judge's names as a model: the simulated motion gives the parameters that are printed and the ladder; it does not decide.
 
-use breakaway_core::plant::Effect;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::chain::{Ended, rung};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
@@ -31,7 +31,14 @@ pub(super) fn found(
         .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress))?;
     let (data, base) = (&start.data, &start.base);
     progress("fitting the simulated motion");
-    let mut remarks = Vec::new();
+    let small = |(kind, share): &(Kind, f64)| {
+        format!(
+            "{} is seen too, with {:.0} % of the energy of the gap: too little to be named",
+            kind.name(),
+            100.0 * share
+        )
+    };
+    let mut remarks: Vec<String> = ruling.seen.iter().map(small).collect();
     let fit = if ruling.findings.is_empty() { base.clone() } else { simulated(data, base, ruling, &mut remarks) };
     let errors = data.problem().covariance(&fit);
     let known = base.candidate.effects.len();
@@ -75,7 +82,7 @@ fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
         .iter()
         .map(|finding| finding.effect.kind)
         .filter(|kind| !kind.periodic_in_position())
-        .map(breakaway_core::plant::Kind::name)
+        .map(Kind::name)
         .collect();
     let (first, last) = (ladder.first()?, ladder.last()?);
     let better = last.holdout_rmse < BETTER * first.holdout_rmse

@@ -115,12 +115,7 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut found = match by_force {
         Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
         Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small)
-                if small.down_to_the_noise()
-                    || (!small.effects.is_empty() && small.over_noise() < NEAR.min(0.5 * by_force.over_noise())) =>
-            {
-                small
-            }
+            Ok(small) if small.down_to_the_noise() || comes_near(&small, &by_force) => small,
             _ => by_force,
         },
         Some(Err(_)) | None => small_effects::found(request, &units, ruling.as_ref(), progress)?,
@@ -144,6 +139,13 @@ fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
     // Something gains on the measured forces that is no name: the simulated motion would find one for it.
     let unknown = ruling.findings.is_empty() && remainder.predictable.is_some() && found.over_noise() > HOPELESS;
     shaken || ripples || unknown || found.over_noise() > ROUGH
+}
+
+/// Whether the names of the simulated motion are believed though something is left: they come down to the sensor's noise, or near it
+/// and to half of what the force fit leaves.
+fn comes_near(small: &Discovery, by_force: &Discovery) -> bool {
+    let near = NEAR.min(0.5 * by_force.over_noise()).max(AT_THE_NOISE);
+    !small.effects.is_empty() && small.over_noise() < near
 }
 
 /// Radians in a position unit; `None` where the position is no angle.

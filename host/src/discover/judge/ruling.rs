@@ -66,6 +66,8 @@ pub struct Ruling {
     pub base: Base<f64>,
     /// Names in the order in which they were found.
     pub findings: Vec<Finding>,
+    /// Effects that hold too and are too small to be named, and their share of the energy of the gap.
+    pub seen: Vec<(Kind, f64)>,
     /// The first round of the windows that named, or of the narrowest.
     pub candidates: Vec<Candidacy>,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
@@ -129,9 +131,11 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
+    let (findings, seen) = findings(form, own);
     Some(Ruling {
         base: Base { b: own.fitted.u.b, c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
-        findings: findings(form, own),
+        findings,
+        seen,
         candidates: own
             .rounds
             .first()
@@ -173,13 +177,27 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
     Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
 }
 
-fn findings(form: &WeakForm<'_>, own: &Judged) -> Vec<Finding> {
+/// Share of the energy of the gap that each name after the first must carry: what carries less is seen, and is not what is missing.
+const MATERIAL: f64 = 0.1;
+
+/// What is named, and what is seen beside it: which, and its share of the energy of the gap.
+fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)>) {
     let mut index = 0;
-    let mut findings = Vec::new();
+    let (mut findings, mut seen) = (Vec::new(), Vec::new());
+    // Energy that is left of the base's, by the gains of side U.
+    let mut left = 1.0;
     for round in &own.rounds {
         let Outcome::Named(names, tied) = &round.outcome else { continue };
         let Some(tried) = round.tried.iter().find(|t| t.names() == *names) else { continue };
         for (term, evidence) in tried.terms.iter().zip(&tried.evidence) {
+            let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
+            let share = left - after;
+            left = after;
+            if let (false, true, Name::Effect(kind)) = (findings.is_empty(), share < MATERIAL, term.name) {
+                seen.push((kind, share));
+                index += 1;
+                continue;
+            }
             if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
                 let tied = tied.iter().filter_map(|name| {
                     let Name::Effect(kind) = name else { return None };
@@ -198,7 +216,7 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> Vec<Finding> {
             index += 1;
         }
     }
-    findings
+    (findings, seen)
 }
 
 /// What is left in windows so wide that the sensor's noise does not count.
