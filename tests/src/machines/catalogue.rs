@@ -46,9 +46,7 @@ pub const EMPS: Machine = Machine {
     truth: Truth::Effects {
         lead: &[Kind::AsymmetricViscous, Kind::ConstantLoad],
         needed: &[Kind::AsymmetricViscous],
-        // A ripple of 2 512.2 1/m stands in both halves of the file: once in 2.501 mm, and 50 000 counts of 50 nm, the
-        // motor's turn, are 2.500 mm.
-        also: &[Kind::Cogging],
+        also: &[],
     },
     known: &[
         Known::new(None, "b", 95.1089 / EMPS_N_PER_V, JANOT),
