@@ -18,8 +18,13 @@ pub struct Controller<'a> {
     relay: f64,
     integral: f64,
     last_error: f64,
+    /// Ticks since the last fresh position.
+    age: usize,
     rate: f64,
 }
+
+/// Time constant of the filter behind the derivative, s.
+const FILTER_S: f64 = 0.01;
 
 impl<'a> Controller<'a> {
     /// At the start of a recording.
@@ -33,12 +38,14 @@ impl<'a> Controller<'a> {
             relay: 1.0,
             integral: 0.0,
             last_error: 0.0,
+            age: 0,
             rate: 0.0,
         }
     }
 
-    /// Drive of the k-th tick at the reported position x.
-    pub fn drive(&mut self, k: usize, x: f64) -> f64 {
+    /// Drive of the k-th tick at the reported position x. The derivative waits for a fresh one: of a held position it would be
+    /// a train of spikes.
+    pub fn drive(&mut self, k: usize, x: f64, fresh: bool) -> f64 {
         let t = k as f64 * self.tick_s;
         match &self.spec.kind {
             Kind::Open(u) => u.get(k).copied().unwrap_or(0.0),
@@ -53,9 +60,14 @@ impl<'a> Controller<'a> {
             Kind::Track { kp, kd, course } => {
                 let envelope = 1.0 - (-(t / 0.5).powi(2)).exp();
                 let e = envelope * course.at(t) + self.spec.start - x;
-                let raw = (e - self.last_error) / self.tick_s;
-                self.last_error = e;
-                self.rate += (raw - self.rate) * self.tick_s / 0.01;
+                self.age += 1;
+                if fresh {
+                    let elapsed = self.age as f64 * self.tick_s;
+                    let raw = (e - self.last_error) / elapsed;
+                    self.last_error = e;
+                    self.age = 0;
+                    self.rate += (raw - self.rate) * elapsed.min(FILTER_S) / FILTER_S;
+                }
                 (kp * e + kd * self.rate).clamp(-self.limit, self.limit)
             }
         }

@@ -126,7 +126,7 @@ fn record(
         let duration = tick_s + (stray[1] - stray[0]);
         let State { x, v, x2, .. } = plant.state;
         let reading = sensor.read(t, sensing);
-        let u = controller.drive(k, reading.reported);
+        let u = controller.drive(k, reading.reported, reading.fresh);
         let supplied = supply.deliver(u, duration);
         let slope = law.eccentricity.map_or(1.0, |w| 1.0 + w.a * w.n * (w.n * x + w.phi).cos());
         trace.t.push(t);

@@ -32,6 +32,8 @@ pub struct Reading {
     pub exact: f64,
     /// As reported, a multiple of the step.
     pub reported: f64,
+    /// Whether it was not given before.
+    pub fresh: bool,
 }
 
 impl Sensor {
@@ -63,6 +65,7 @@ impl Sensor {
     pub fn read(&mut self, t: f64, rng: &mut ChaCha8Rng) -> Reading {
         let number = self.held_s.map(|held| ((t - self.phase_s) / held).floor() as i64);
         if number.is_some() && number == self.number {
+            self.reading.fresh = false;
             return self.reading;
         }
         self.number = number;
@@ -73,7 +76,7 @@ impl Sensor {
         let exact = self.at(instant - self.delay_s);
         let noise: f64 = rng.sample(StandardNormal);
         let reported = ((exact + noise * self.sigma) / self.step).round() * self.step;
-        self.reading = Reading { exact, reported };
+        self.reading = Reading { exact, reported, fresh: true };
         self.reading
     }
 

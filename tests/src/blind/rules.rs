@@ -52,7 +52,12 @@ impl Row {
             }
             names
         };
-        sorted(&self.hidden) == sorted(&self.named)
+        !self.without_answer() && sorted(&self.hidden) == sorted(&self.named)
+    }
+
+    /// Whether there was no answer to score: an error, or too much time.
+    pub fn without_answer(&self) -> bool {
+        matches!(self.verdict.as_str(), "error" | "given_up")
     }
 
     /// Whether something was named that is neither hidden nor excused, even if what is hidden is listed as tied with it.
@@ -159,6 +164,7 @@ mod tests {
         assert!(!right("dahl", "unknown", "") && !right("dahl", "nothing_missing", ""));
         assert!(right("dahl+spring", "partly_explained", "dahl") && !right("dahl+spring", "explained", "dahl"));
         assert!(right("force_well", "unknown", "") && right("force_well", "partly_explained", "cogging"));
+        assert!(!row("", "", "error", "", "").right() && !row("", "", "given_up", "", "").right());
         assert!(!right("force_well", "explained", "cogging") && !right("force_well", "nothing_missing", ""));
     }
 }

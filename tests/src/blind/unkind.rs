@@ -24,8 +24,9 @@ fn line(out: &mut String, title: &str, rows: &[&Row]) {
         tied => format!(", tied with the truth {tied}"),
     };
     let seconds = |of: fn(&Row) -> f64| {
-        let all = || rows.iter().map(|row| of(row)).filter(|s| s.is_finite());
-        format!("{:.1} | {:.1}", median(all()), all().fold(0.0, f64::max))
+        let all: Vec<f64> = rows.iter().map(|row| of(row)).filter(|s| s.is_finite()).collect();
+        let worst = all.iter().copied().fold(0.0, f64::max);
+        if all.is_empty() { "– | –".to_owned() } else { format!("{:.1} | {worst:.1}", median(all.into_iter())) }
     };
     let _ = writeln!(
         out,
@@ -71,9 +72,10 @@ pub fn markdown(out: &mut String, rows: &[Row]) {
         if !clean.is_empty() {
             let _ = writeln!(
                 out,
-                "\n### World {world}: clean records\n\nVerdict right: {}; a wrong name: {}; {:.1} s of the processor at the median.",
+                "\n### World {world}: clean records\n\nVerdict right: {}; a wrong name: {}; without an answer: {}; {:.1} s of the processor at the median.",
                 of(&clean, Row::verdict_right),
                 of(&clean, Row::wrong),
+                of(&clean, Row::without_answer),
                 median(clean.iter().map(|row| row.processor_s))
             );
             said(out, &world, &clean);
@@ -146,7 +148,7 @@ mod tests {
             "| 10 % | 2 | 1/2 (50 %) | 1/2 (50 %) | 1/2 (50 %) | 0 | 0 | 8.0 | 8.0 | 16.0 | 16.0 |",
             "| held | 2 | 1/2 (50 %) | 1/2 (50 %) | 1/2 (50 %) | 0 | 0 | 8.0 | 8.0 | 16.0 | 16.0 |",
             "| spring | dahl (partly explained) | 10 %/1: torque=0.1%@9Hz held=3.0ms |",
-            "Verdict right: 1/2 (50 %); a wrong name: 0/2 (0 %); 2.0 s of the processor at the median.",
+            "Verdict right: 1/2 (50 %); a wrong name: 0/2 (0 %); without an answer: 0/2 (0 %); 2.0 s of the processor at the median.",
             "Called explained: 0/1 (0 %); unknown or partly explained: 1/1 (100 %).",
         ] {
             assert!(out.contains(line), "{line}\n{out}");

@@ -142,11 +142,19 @@ fn closed_loops_follow_their_reference() {
             let session = case.generate();
             for (spec, record) in specs.iter().zip(&session.records) {
                 let Kind::Track { kp, course, .. } = &spec.kind else { panic!("{}: not tracked", spec.name) };
-                // From 2 s on; what is left is friction and drag over the gain, and the latency's share of the speed.
-                let errors = record.x.iter().enumerate().skip(2000);
-                let squares = errors.map(|(k, x)| (spec.start + course.at(1e-3 * k as f64) - x).powi(2));
-                let error = (squares.sum::<f64>() / (record.x.len() - 2000) as f64).sqrt();
-                let allowed = (machine.base.f1 + 3.0 * machine.base.c) / kp + 0.1;
+                // From 2 s on. What is left is friction and drag over the gain, the way made in the latency, and at each corner
+                // of the reference a transient that lasts about half of 1/ω.
+                let at = |k: usize| course.at(1e-3 * k as f64);
+                let rms = |values: &dyn Fn(usize) -> f64| {
+                    let all = 2000..record.x.len();
+                    (all.clone().map(|k| values(k).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
+                };
+                let speed = rms(&|k| (at(k) - at(k - 1)) / 1e-3);
+                let error = rms(&|k| spec.start + at(k) - record.x[k]);
+                let omega = (kp / machine.base.b).sqrt();
+                let allowed = (machine.base.f1 + machine.base.c * speed) / kp
+                    + (0.5 / omega + case.world.latency_s()) * speed
+                    + session.encoder_step;
                 assert!(error < allowed, "{seed} {}: {error} of {allowed}", record.name);
             }
         }
