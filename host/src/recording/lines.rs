@@ -100,7 +100,9 @@ mod tests {
     fn rows_know_their_lines_when_some_are_left_out() {
         let mut lines = LineOfRow::default();
         // A header on line 1, a comment on line 4, a row over two lines from line 6.
-        [2, 3, 5, 6, 8, 9].into_iter().for_each(|line| lines.push(line));
+        for line in [2, 3, 5, 6, 8, 9] {
+            lines.push(line);
+        }
         assert_eq!((0..7).map(|row| lines.of(row)).collect::<Vec<_>>(), [2, 3, 5, 6, 8, 9, 0]);
         assert_eq!(lines.starts.len(), 3);
         let kept = lines.retained(&[true, false, true, true, true, false]);
