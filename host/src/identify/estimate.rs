@@ -176,12 +176,14 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     let left = unexplained(&weak_fit, &windows);
     let frictions = [("c", weak_estimate.c), ("f1", weak_estimate.f1)];
     let impossible = frictions.into_iter().find(|(_, friction)| negative(*friction));
-    if (impossible.is_some() || left > MOST_UNEXPLAINED)
-        && let Some(other) = swapped::explains_more(recordings, left, impossible.is_some())
+    let explained = left <= MOST_UNEXPLAINED;
+    // What explains the drive by a friction that gives power is no axis; what explains little of it may still be one.
+    if (impossible.is_some() || !explained)
+        && let Some(other) = swapped::explains_more(recordings, left, explained)
     {
         return Err(IdentifyError::Swapped { percent: 100.0 * left, other_percent: 100.0 * other });
     }
-    if let Some((parameter, Value { value, .. })) = impossible.filter(|_| left > MOST_UNEXPLAINED) {
+    if let Some((parameter, Value { value, .. })) = impossible.filter(|_| !explained) {
         return Err(IdentifyError::NegativeFriction { parameter, value, percent: 100.0 * left });
     }
     weakly_determined(&weak_estimate, &mut undetermined);
