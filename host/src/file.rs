@@ -1,10 +1,16 @@
-//! Files that are written whole or not at all.
+//! Files that are written whole or not at all, and never over what breakaway did not write.
+
+mod kind;
+mod target;
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::interrupt;
+
+pub use kind::{FIGURE_MARK, FileKind, PAGE_MARK};
+pub use target::{Target, TargetError, apart, inside, may_write};
 
 /// Writes a file through `content`: beside its place first, then renamed into it.
 ///

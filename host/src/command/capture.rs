@@ -13,6 +13,7 @@ use super::recording_args::positive;
 use crate::device::capture::{Capture, part_of};
 use crate::device::scale::Scale;
 use crate::device::{Client, DeviceError, text, wait_for};
+use crate::file::FileKind;
 use crate::interrupt::{FinishFirst, finish_first};
 
 /// Longest silence of a board that streams.
@@ -72,6 +73,9 @@ impl Args {
     /// # Errors
     /// The board cannot be reached or is lost, the file cannot be written. What was captured until then is in the file.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        // It is written bit by bit beside its place.
+        let file = output.folder(&self.output, "a file")?;
+        output.may_write(file, FileKind::Recording, &[])?;
         let interrupt = finish_first();
         let port = &self.port.port;
         if self.wait {

@@ -13,6 +13,7 @@ use super::output::Output;
 use super::port_args::PortArgs;
 use crate::device::scale::Scale;
 use crate::device::{Client, settings};
+use crate::file::{FileKind, Target};
 use crate::model::Model;
 
 /// Ask and command a board: identity, settings, model, faults
@@ -104,7 +105,7 @@ pub enum ModelAction {
     Get {
         /// File to write [default: standard output]
         #[arg(short, long, value_name = "M.toml")]
-        output: Option<PathBuf>,
+        output: Option<Target>,
     },
 }
 
@@ -122,6 +123,12 @@ impl Args {
         if let Action::Settings { action: Some(SettingsAction::Set { assignments, .. }) } = &self.action {
             check(&mut Settings::default(), assignments)?;
         }
+        let output = match &self.action {
+            Action::Model { action: ModelAction::Get { output: Some(target) } } => {
+                output.claim(&[(target, FileKind::Model)], &[])?
+            }
+            _ => output,
+        };
         let (client, info) = Client::connect(&self.port.port, self.port.baud)?;
         let scale = Scale::new(&info)?;
         let mut board = Board { client, info, scale, output };
@@ -142,7 +149,7 @@ impl Args {
             Action::Model { action: ModelAction::Save } | Action::Save => {
                 board.done(Command::Save, "settings and model are saved")
             }
-            Action::Model { action: ModelAction::Get { output } } => board.model_get(output.as_deref()),
+            Action::Model { action: ModelAction::Get { output } } => board.model_get(output.as_ref()),
             Action::Identify => board.identify(),
             Action::Stop => board.done(Command::Stop, "stopped"),
             Action::Reboot => board.done(Command::Reboot, "resetting"),

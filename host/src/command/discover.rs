@@ -13,7 +13,7 @@ use super::progress;
 use super::recording_args::RecordingArgs;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
-use crate::file::{can_write, write_whole};
+use crate::file::{FileKind, Target};
 pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
@@ -46,12 +46,12 @@ pub struct Args {
     /// Recordings that are only scored
     #[arg(long, value_name = "REC", num_args = 1.., conflicts_with = "fleet")]
     pub holdout: Vec<PathBuf>,
-    /// Write the improved model to this file; with --fleet, the folder for all results
+    /// Write the improved model to this file (`-` is standard output); with --fleet, the folder for all results
     #[arg(short, long, value_name = "M2.toml")]
-    pub output: Option<PathBuf>,
-    /// Write the report to this file
+    pub output: Option<Target>,
+    /// Write the report to this file; `-` is standard output
     #[arg(long, value_name = "R.html", conflicts_with = "fleet")]
-    pub report: Option<PathBuf>,
+    pub report: Option<Target>,
     /// Work on all machines of this folder, one folder each
     #[arg(long, value_name = "DIR", requires = "output")]
     pub fleet: Option<PathBuf>,
@@ -73,6 +73,7 @@ impl Args {
     /// A file that cannot be read or written; recordings from which nothing can be identified.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         if let (Some(folder), Some(results)) = (&self.fleet, &self.output) {
+            let Target::File(results) = results else { return output.folder("-".as_ref(), "a folder").map(|_| ()) };
             let fleet = fleet::Fleet {
                 folder,
                 output: results,
@@ -83,20 +84,20 @@ impl Args {
             };
             return fleet.run(output);
         }
-        for path in self.output.iter().chain(&self.report) {
-            can_write(path).with_context(|| format!("{}: cannot be written", path.display()))?;
-        }
+        let targets = self.output.iter().map(|target| (target, FileKind::Model));
+        let targets: Vec<_> = targets.chain(self.report.iter().map(|target| (target, FileKind::Page))).collect();
+        let read: Vec<_> =
+            self.recordings.iter().chain(&self.holdout).chain(&self.model).map(PathBuf::as_path).collect();
+        let output = output.claim(&targets, &read)?;
         let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
         let spinner = progress::spinner();
         let found = find(&self.columns, &inputs, &|what| spinner.set_message(what.to_owned()))?;
         spinner.finish_and_clear();
-        if let Some(path) = &self.output {
-            improved(&found).write(path)?;
+        if let Some(target) = &self.output {
+            target.write_text(&improved(&found).to_toml())?;
         }
-        if let Some(path) = &self.report {
-            let page = discovery::html(&found);
-            write_whole(path, |out| out.write_all(page.as_bytes()))
-                .with_context(|| format!("cannot write the report {}", path.display()))?;
+        if let Some(target) = &self.report {
+            target.write_text(&discovery::html(&found))?;
         }
         output.print(&json::Document::from(&found), |_| told(&found))
     }
@@ -108,6 +109,7 @@ impl Args {
 /// A file that cannot be read; recordings from which nothing can be identified.
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
     let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    fit.is_apart_from(&score)?;
     let model = inputs.model.as_deref().map(Model::read).transpose()?;
     let request = Request {
         recordings: fit.recordings,
@@ -148,7 +150,7 @@ fn provenance<'a>(files: impl Iterator<Item = &'a PathBuf>) -> anyhow::Result<Pr
     Ok(Provenance {
         inputs: files.map(|path| Ok((path.display().to_string(), hash(path)?))).collect::<anyhow::Result<_>>()?,
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" "),
     })
 }
 

@@ -1,7 +1,7 @@
 //! `breakaway identify`.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use breakaway_core::plant::Base;
@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
+use crate::file::{FileKind, Target};
 use crate::identify::estimate::{self, Estimate, Identified, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
@@ -26,9 +27,9 @@ pub struct Args {
     /// Recordings of one session
     #[arg(value_name = "REC", required = true)]
     pub recordings: Vec<PathBuf>,
-    /// Write the model to this file
+    /// Write the model to this file; `-` is standard output
     #[arg(short, long, value_name = "M.toml")]
-    pub output: Option<PathBuf>,
+    pub output: Option<Target>,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -109,13 +110,16 @@ impl Args {
     /// # Errors
     /// A recording that cannot be used; data that determine no model; a model file that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
-        let Session { recordings, remarks } = self.columns.read_session(&self.recordings)?;
+        let targets: Vec<(&Target, FileKind)> = self.output.iter().map(|target| (target, FileKind::Model)).collect();
+        let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        let output = output.claim(&targets, &inputs)?;
+        let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
         let mut result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
         result.remarks.extend(remarks);
         let units = recordings[0].units.clone();
-        if let Some(path) = &self.output {
+        if let Some(target) = &self.output {
             let names: Vec<String> = self.recordings.iter().map(|path| path.display().to_string()).collect();
-            model(&result, &units, &names)?.write(path)?;
+            target.write_text(&model(&result, &units, &names)?.to_toml())?;
         }
         output.print(&Document::new(&result, &units), table)
     }

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::Cli;
 use super::output::Output;
-use crate::file::{make_folder, write_whole};
+use crate::file::{FileKind, make_folder, write_whole};
 
 /// Write the manual page to standard output, or all of them to a folder
 #[derive(clap::Args, Debug)]
@@ -49,12 +49,13 @@ impl Args {
             let document = Document { page: Some(String::from_utf8_lossy(&page).into_owned()), files: None };
             return output.print(&document, |document| document.page.clone().unwrap_or_default());
         };
-        make_folder(&folder)?;
+        make_folder(output.folder(&folder, "a folder")?)?;
         let mut pages = Vec::new();
         collect(&command, &mut pages);
         let mut files = Vec::new();
         for man in pages {
             let file = folder.join(man.get_filename());
+            output.may_write(&file, FileKind::Manual, &[])?;
             write_whole(&file, |out| man.render(out)).with_context(|| format!("cannot write {}", file.display()))?;
             files.push(file.display().to_string());
         }

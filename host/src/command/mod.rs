@@ -37,6 +37,9 @@ pub struct Cli {
     /// Print one JSON document on standard output; everything else goes to standard error
     #[arg(long, global = true)]
     pub json: bool,
+    /// Replace files that breakaway did not write, and recordings of an earlier session; never an input
+    #[arg(long, global = true)]
+    pub force: bool,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -84,7 +87,7 @@ pub struct UsageError(pub String);
 
 /// Runs a command. Exit code 0: done; 1: the work could not be done, the reason is on standard error; 2: wrong usage.
 pub fn run(cli: Cli) -> ExitCode {
-    let output = Output { json: cli.json };
+    let output = Output { json: cli.json, force: cli.force, taken: false };
     let result = match cli.command {
         Command::Demo(args) => args.run(output),
         Command::Run(args) => args.run(output),

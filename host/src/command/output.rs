@@ -1,17 +1,59 @@
-//! Standard output: text for people, or one JSON document for machines.
+//! Standard output: text for people, or one JSON document for machines; and what a command may write beside it.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
-/// How results are printed.
+use super::UsageError;
+use crate::file::{FileKind, Target, TargetError, apart, may_write};
+
+/// How results are printed, and what they may replace.
 #[derive(Clone, Copy, Debug)]
 pub struct Output {
     /// JSON instead of text.
     pub json: bool,
+    /// Files that breakaway did not write may be replaced.
+    pub force: bool,
+    /// Standard output is taken by a file (`-o -`): text goes to standard error.
+    pub taken: bool,
 }
 
 impl Output {
+    /// Checks before any work that each of `targets` may be written by a command that reads `inputs`.
+    ///
+    /// # Errors
+    /// [`TargetError`]; a [`UsageError`] where the arguments contradict each other.
+    pub fn claim(self, targets: &[(&Target, FileKind)], inputs: &[&Path]) -> anyhow::Result<Self> {
+        let all: Vec<&Target> = targets.iter().map(|(target, _)| *target).collect();
+        apart(&all).map_err(told)?;
+        let mut taken = self.taken;
+        for (target, kind) in targets {
+            match target {
+                Target::Standard if self.json => return Err(told(TargetError::StandardWithJson)),
+                Target::Standard => taken = true,
+                Target::File(path) => self.may_write(path, *kind, inputs)?,
+            }
+        }
+        Ok(Self { taken, ..self })
+    }
+
+    /// Checks that a file may be written: see [`may_write`].
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn may_write(self, path: &Path, kind: FileKind, inputs: &[&Path]) -> Result<(), TargetError> {
+        may_write(path, kind, inputs, self.force)
+    }
+
+    /// A folder to write to, which `-` is not; `what` is what it is for, with an article.
+    ///
+    /// # Errors
+    /// A [`UsageError`].
+    pub fn folder<'a>(self, path: &'a Path, what: &'static str) -> anyhow::Result<&'a Path> {
+        if path.as_os_str() == "-" { Err(told(TargetError::NotStandard { what })) } else { Ok(path) }
+    }
+
     /// Prints `document` as JSON, or with `--json` absent the text made from it.
     ///
     /// # Errors
@@ -21,10 +63,19 @@ impl Output {
         if !text.ends_with('\n') {
             text.push('\n');
         }
+        if self.taken {
+            eprint!("{text}");
+            return Ok(());
+        }
         let mut out = io::stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
             _ => Ok(()),
         }
     }
+}
+
+/// An error of the arguments as one of usage.
+fn told(error: TargetError) -> anyhow::Error {
+    if error.is_usage() { UsageError(error.to_string()).into() } else { error.into() }
 }

@@ -5,15 +5,18 @@ use std::path::Path;
 use clap::Args;
 
 use super::progress;
-use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, Warning, open};
+use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, TimeUnit, Warning, Wrap, open};
 
 /// Columns and rows of a recording; flatten it into a command's arguments.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Recording")]
 pub struct RecordingArgs {
-    /// Column of time in s (`_ms` or `_us` at its end: in that unit) [default: t]
+    /// Column of time [default: t]
     #[arg(long, value_name = "COL")]
     pub time: Option<String>,
+    /// Unit of time: s, ms, us, ns, min or h [default: what the column's name ends in, as in `t_ms` or `time (us)`, else s]
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<TimeUnit>,
     /// Column of the applied drive [default: u]
     #[arg(long, value_name = "COL")]
     pub input: Option<String>,
@@ -26,6 +29,12 @@ pub struct RecordingArgs {
     /// Encoder step in position units [default: the file's, or inferred]
     #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
     pub encoder_step: Option<f64>,
+    /// Position units after which the position starts anew, such as 4096 counts; `none` if it does not
+    #[arg(long, value_name = "N")]
+    pub wrap: Option<Wrap>,
+    /// Position units per turn of the axis, if the position is in counts [default: the file's]
+    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true)]
+    pub counts_per_turn: Option<f64>,
     /// Only rows whose column has this value; may be repeated. Where rows fall out, the recording is cut
     #[arg(long = "where", value_name = "COL=VALUE")]
     pub select: Vec<Selection>,
@@ -36,10 +45,14 @@ impl RecordingArgs {
     pub fn options(&self) -> ReadOptions {
         ReadOptions {
             time: self.time.clone(),
+            time_unit: self.time_unit,
             input: self.input.clone(),
             position: self.position.clone(),
             fs_hz: self.fs,
             encoder_step: self.encoder_step,
+            wrap: self.wrap,
+            counts_per_turn: self.counts_per_turn,
+            max_rows: None,
             select: self.select.clone(),
         }
     }

@@ -1,5 +1,7 @@
 //! `breakaway run`.
 
+mod folder;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +15,7 @@ use super::progress;
 use super::recording_args::positive;
 use crate::device::experiment::{Outcome, Runner};
 use crate::device::text;
-use crate::file::make_folder;
+use crate::file::{inside, make_folder};
 use crate::identify::relay::{self, Ending};
 use crate::interrupt::finish_first;
 use crate::model::{BaseSe, Model};
@@ -30,7 +32,8 @@ use crate::simulate::suite::{self, Machine, Role};
   breakaway run suite --port /dev/ttyACM0 -o session
 
 Without --model the plant of the papers is taken: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
-the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score.
+the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score. A folder
+that holds a session already is refused; --force replaces that session.
 
 On a board (--port) its tick, its encoder step and its limits hold; a multisine then consists of the multiples of from_hz. Ctrl-C
 stops the axis. If the board is lost, what was recorded until then is kept. Samples that were lost on the way are cut out
@@ -111,19 +114,22 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; an experiment or a plant that cannot be simulated.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let file = (self.experiment != "suite").then(|| self.named()).transpose()?;
+        self.claim(file.as_ref(), output)?;
         if let Some(port) = self.port.clone() {
-            return self.run_on_board(&port, output);
+            return self.run_on_board(&port, file, output);
         }
         let model = self.model.as_deref().map(Model::read).transpose()?.unwrap_or_else(papers_plant);
         let mut axis = Axis::new(model.base, &model.plant_effects()?, model.units.clone());
         let mut breakaway = None;
-        let experiments = if self.experiment == "suite" {
+        let experiments = if let Some(experiment) = file {
+            vec![(Role::Fit, experiment)]
+        } else {
             let machine = self.machine();
             let found = suite::breakaway(&axis, &machine)?;
             breakaway = Some(found.force);
+            self.clear()?;
             suite::suite(found.moved_at, &machine)
-        } else {
-            vec![(Role::Fit, self.named()?)]
         };
         let bar = progress::bar("experiments", experiments.len() as u64);
         let mut recordings = Vec::new();
@@ -164,12 +170,11 @@ impl Args {
             (true, Role::Score) => (self.output.join("score"), "score"),
         };
         make_folder(&folder)?;
-        Ok((folder.join(format!("{name}.csv")), role))
+        Ok((inside(&folder, name, "csv")?, role))
     }
 
-    fn run_on_board(self, port: &str, output: Output) -> anyhow::Result<()> {
+    fn run_on_board(self, port: &str, file: Option<Experiment>, output: Output) -> anyhow::Result<()> {
         let interrupt = finish_first();
-        let file = (self.experiment != "suite").then(|| self.named()).transpose()?;
         let mut runner = Runner::connect(port, self.baud)?;
         let units = runner.scale.units.clone();
         let mut breakaway = None;
@@ -186,6 +191,7 @@ impl Args {
             spinner.finish_and_clear();
             let found = found?;
             breakaway = Some(found.force);
+            self.clear()?;
             suite::suite(found.moved_at, &machine)
         };
         let bar = progress::bar("experiments", experiments.len() as u64);

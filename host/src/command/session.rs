@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use super::recording_args::RecordingArgs;
-use crate::recording::{Recording, RecordingError, Warning};
+use crate::recording::{Recording, RecordingError, SessionError, Units, Warning};
 
 /// Recordings of which each moves, and what is to be said of the others.
 #[derive(Debug, Default)]
 pub struct Session {
     /// The recordings that move, in the order in which they were given; at least one.
     pub recordings: Vec<Recording>,
+    /// The files of `recordings`, as they were given.
+    pub files: Vec<String>,
     /// One remark for each recording that was left out because it does not move.
     pub remarks: Vec<String>,
 }
@@ -18,15 +20,16 @@ impl RecordingArgs {
     /// Reads recordings of one session. A recording that does not move is left out with a remark while others move.
     ///
     /// # Errors
-    /// [`RecordingError`]; [`RecordingError::NoMotion`] if none of several recordings, or the only one, moves.
+    /// [`RecordingError`]; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
+    /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
     pub fn read_session<P: AsRef<Path>>(&self, paths: &[P]) -> Result<Session, RecordingError> {
         let mut session = Session::default();
-        let mut still: Option<RecordingError> = None;
+        let mut still: Option<SessionError> = None;
         for path in paths {
             let file = path.as_ref().display().to_string();
             let recording = self.read(path.as_ref())?;
             if recording.moves() {
-                session.recordings.push(recording);
+                session.add(file, recording)?;
                 continue;
             }
             let warnings = recording.warnings();
@@ -36,12 +39,60 @@ impl RecordingArgs {
             session.remarks.push(format!("{file} is left out: {found}"));
             if let Warning::NoMotion { range, rows } = *found {
                 let column = self.options().position_column().to_owned();
-                still.get_or_insert(RecordingError::NoMotion { file, column, range, rows });
+                still.get_or_insert(SessionError::NoMotion { file, column, range, rows });
             }
         }
         match still {
-            Some(refusal) if session.recordings.is_empty() => Err(refusal),
+            Some(refusal) if session.recordings.is_empty() => Err(refusal.into()),
             _ => Ok(session),
         }
+    }
+}
+
+/// Units in words.
+fn named(units: &Units) -> String {
+    format!("{} and {}", units.u, units.x)
+}
+
+impl Session {
+    /// Adds a recording of the same units that is not there yet.
+    fn add(&mut self, file: String, recording: Recording) -> Result<(), RecordingError> {
+        if let (Some(first), Some(name)) = (self.recordings.first(), self.files.first())
+            && first.units != recording.units
+        {
+            return Err(SessionError::Units {
+                first: name.clone(),
+                first_units: named(&first.units),
+                second: file,
+                second_units: named(&recording.units),
+            }
+            .into());
+        }
+        if let Some(first) = self.file_of(&recording) {
+            return Err(SessionError::GivenTwice { first, second: file, held_out: false }.into());
+        }
+        self.recordings.push(recording);
+        self.files.push(file);
+        Ok(())
+    }
+
+    /// The file that holds the same samples as `recording`, whatever its name.
+    fn file_of(&self, recording: &Recording) -> Option<String> {
+        let same = |other: &Recording| other.t == recording.t && other.u == recording.u && other.x == recording.x;
+        let mut all = self.recordings.iter().zip(&self.files);
+        all.find(|(other, _)| same(other)).map(|(_, file)| file.clone())
+    }
+
+    /// Checks that nothing of this session is held out as well.
+    ///
+    /// # Errors
+    /// [`SessionError::GivenTwice`], with both files.
+    pub fn is_apart_from(&self, holdout: &Self) -> Result<(), SessionError> {
+        for (recording, second) in holdout.recordings.iter().zip(&holdout.files) {
+            if let Some(first) = self.file_of(recording) {
+                return Err(SessionError::GivenTwice { first, second: second.clone(), held_out: true });
+            }
+        }
+        Ok(())
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::output::Output;
+use crate::file::{FileKind, Target};
 use crate::model::Model;
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::Experiment;
@@ -20,9 +21,9 @@ pub struct Args {
     /// The experiment
     #[arg(long, value_name = "E.toml")]
     pub experiment: PathBuf,
-    /// The recording to write
+    /// The recording to write; `-` is standard output
     #[arg(short, long, value_name = "REC.csv")]
-    pub output: PathBuf,
+    pub output: Target,
 }
 
 #[derive(Debug, Serialize)]
@@ -38,12 +39,13 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written, or a model that cannot be simulated.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let output = output.claim(&[(&self.output, FileKind::Recording)], &[&self.model, &self.experiment])?;
         let model = Model::read(&self.model)?;
         let experiment = Experiment::read(&self.experiment)?;
         let run = Axis::new(model.base, &model.plant_effects()?, model.units.clone()).run(&experiment)?;
-        run.recording.write(&self.output)?;
+        self.output.write(|mut out| run.recording.write_to(&mut out))?;
         let document = Document {
-            recording: self.output.display().to_string(),
+            recording: self.output.to_string(),
             samples: run.recording.t.len(),
             travel_limit_tripped: run.tripped.is_some(),
         };

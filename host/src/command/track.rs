@@ -17,7 +17,7 @@ use super::tune::TuneArgs;
 use crate::control::design::Design;
 use crate::control::reference::Reference;
 use crate::control::tracking::{Bench, Case, OnBoard, track};
-use crate::file::{make_folder, write_whole};
+use crate::file::{FileKind, Target, make_folder, write_whole};
 use crate::model::Model;
 use crate::recording::Units;
 use crate::report::tracking;
@@ -76,9 +76,9 @@ pub struct Args {
     /// Folder for recordings and the figure
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write the report to this file
+    /// Write the report to this file; `-` is standard output
     #[arg(long, value_name = "R.html")]
-    pub report: Option<PathBuf>,
+    pub report: Option<Target>,
     /// Tuning, unless a controller is given.
     #[command(flatten)]
     pub tuning: TuneArgs,
@@ -161,6 +161,7 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; a loop that cannot be tuned or diverges.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let output = self.claim(output)?;
         if let Some(port) = &self.port {
             return board::run(&self, port, output);
         }
@@ -196,6 +197,23 @@ impl Args {
         self.finish(&course, &cases, &axis, output)
     }
 
+    /// Checks what is to be written.
+    fn claim(&self, output: Output) -> anyhow::Result<Output> {
+        let reference = PathBuf::from(&self.reference);
+        let inputs = [Some(&self.model), self.controller.as_ref(), self.plant.as_ref(), Some(&reference)];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+        if let Some(folder) = &self.output {
+            let folder = output.folder(folder, "a folder")?;
+            let recordings = LAWS.map(|name| (folder.join(format!("{name}.csv")), FileKind::Recording));
+            let figure = (folder.join(FIGURE), FileKind::Figure);
+            for (path, kind) in recordings.into_iter().chain([figure]).filter(|(path, _)| path.exists()) {
+                output.may_write(&path, kind, &inputs)?;
+            }
+        }
+        let targets: Vec<_> = self.report.iter().map(|target| (target, FileKind::Page)).collect();
+        output.claim(&targets, &inputs)
+    }
+
     /// The reference at a tick of `tick_s` s.
     fn course(&self, tick_s: f64) -> anyhow::Result<Course> {
         Course::new(self.reference.parse()?, self.duration, self.settle, tick_s)
@@ -209,14 +227,11 @@ impl Args {
         if let Some(folder) = &self.output {
             write_all(folder, cases, &page)?;
         }
-        if let Some(path) = &self.report {
-            let html = tracking::html(&page);
-            write_whole(path, |out| out.write_all(html.as_bytes()))
-                .with_context(|| format!("cannot write the report {}", path.display()))?;
+        if let Some(target) = &self.report {
+            target.write_text(&tracking::html(&page))?;
         }
         let rows = cases.iter().map(|case| row(case, bench)).collect::<Vec<_>>();
-        let compensated =
-            cases.iter().rfind(|case| case.name != "adaptive").map_or(f64::NAN, |case| case.tracked.rms());
+        let compensated = cases.iter().rfind(|case| case.name != LAWS[3]).map_or(f64::NAN, |case| case.tracked.rms());
         let document = Document {
             plant: name.to_owned(),
             tick_s: bench.tick_s,
@@ -244,6 +259,11 @@ fn row(case: &Case, bench: &Bench) -> Row {
     }
 }
 
+/// Names of the laws that are compared, and of their recordings.
+const LAWS: [&str; 4] = ["pid", "base", "model", "adaptive"];
+/// Name of the figure beside them.
+const FIGURE: &str = "error.svg";
+
 /// The laws that are compared, in the order in which they are shown.
 ///
 /// # Errors
@@ -256,14 +276,14 @@ pub fn controllers(
     let pid = Design { adaptive: false, compensate: false, ..design.clone() };
     let compensated = Design { compensate: true, ..pid.clone() };
     let mut all = vec![
-        ("pid", "PID alone", pid.controller_for(&model.base, &[])?),
-        ("base", "base model compensated", compensated.controller_for(&model.base, &[])?),
+        (LAWS[0], "PID alone", pid.controller_for(&model.base, &[])?),
+        (LAWS[1], "base model compensated", compensated.controller_for(&model.base, &[])?),
     ];
     if !effects.is_empty() {
-        all.push(("model", "whole model compensated", compensated.controller_for(&model.base, &effects)?));
+        all.push((LAWS[2], "whole model compensated", compensated.controller_for(&model.base, &effects)?));
     }
     let adaptive = Design { adaptive: true, ..compensated };
-    all.push(("adaptive", "adaptive law", adaptive.controller_for(&model.base, &effects)?));
+    all.push((LAWS[3], "adaptive law", adaptive.controller_for(&model.base, &effects)?));
     Ok(all)
 }
 
@@ -272,7 +292,7 @@ fn write_all(folder: &Path, cases: &[Case], story: &tracking::Story<'_>) -> anyh
     for case in cases {
         case.tracked.recording.write(&folder.join(format!("{}.csv", case.name)))?;
     }
-    let path = folder.join("error.svg");
+    let path = folder.join(FIGURE);
     let figure = tracking::errors(story).file();
     write_whole(&path, |out| out.write_all(figure.as_bytes()))
         .with_context(|| format!("cannot write the figure {}", path.display()))

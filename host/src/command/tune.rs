@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::output::Output;
 use super::recording_args::{not_negative, positive};
 use crate::control::design::{DEFAULT_ADAPTATION_RATE, Design, Request};
+use crate::file::{FileKind, Target};
 use crate::model::Model;
 use crate::recording::Units;
 
@@ -29,9 +30,9 @@ pub struct Args {
     /// The model
     #[arg(value_name = "M.toml")]
     pub model: PathBuf,
-    /// Write the controller to this file
+    /// Write the controller to this file; `-` is standard output
     #[arg(short, long, value_name = "C.toml")]
-    pub output: Option<PathBuf>,
+    pub output: Option<Target>,
     /// What is asked for.
     #[command(flatten)]
     pub request: TuneArgs,
@@ -154,10 +155,12 @@ impl Args {
     /// # Errors
     /// A model that cannot be read or tuned for; a file that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let targets: Vec<_> = self.output.iter().map(|target| (target, FileKind::Controller)).collect();
+        let output = output.claim(&targets, &[&self.model])?;
         let model = Model::read(&self.model)?;
         let design = Design::new(&model, &self.request.request()).with_context(|| self.model.display().to_string())?;
-        if let Some(path) = &self.output {
-            design.write(path).with_context(|| format!("cannot write the controller {}", path.display()))?;
+        if let Some(target) = &self.output {
+            target.write_text(&design.to_toml())?;
         }
         output.print(&document(&design)?, |document| table(document, &design.model.units))
     }

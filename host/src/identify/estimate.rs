@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cycles;
 use super::shooting::{self, Candidate, Fit, Free, Problem};
+use super::swapped;
 use super::track::{self, Track, median};
 use super::weak::{self, WeakFit, Window};
 use crate::recording::Recording;
@@ -17,7 +18,7 @@ pub const MAX_SEGMENTS: usize = 160;
 /// A load is reported when it exceeds this many standard errors and this share of the Coulomb friction.
 const LOAD_SIGNIFICANCE: (f64, f64) = (4.0, 0.01);
 /// Standard errors from which a negative friction is taken at its word.
-const SIGNIFICANCE: f64 = 4.0;
+pub(super) const SIGNIFICANCE: f64 = 4.0;
 /// Share of the drive that even a model with effects missing explains.
 const MOST_UNEXPLAINED: f64 = 0.3;
 /// A drive that follows the direction of motion to within this share is friction and nothing else.
@@ -116,6 +117,17 @@ pub enum IdentifyError {
         /// The estimate.
         b: f64,
     },
+    /// An axis with drive and position in each other's place, and none as they are.
+    #[error(
+        "--input and --position seem to be swapped: as they are, {percent:.1} % of the drive stay unexplained; the other way \
+         round {other_percent:.1} %, with a positive inertia and no negative friction"
+    )]
+    Swapped {
+        /// Root mean square of the drive that is not explained, % of the drive's.
+        percent: f64,
+        /// The same with the columns in each other's place.
+        other_percent: f64,
+    },
     /// Friction comes out negative, and the equation of motion explains little of the drive.
     #[error(
         "this is no motion under this drive: {parameter} comes out negative ({value:.3e}) and {percent:.0} % of the drive \
@@ -161,11 +173,18 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     if biased && work(&tracks) <= 0.0 {
         return Err(IdentifyError::NegativeInertia { b: weak_estimate.b.value });
     }
-    let unexplained = weak_fit.residual.norm() / windows.iter().map(|w| w.drive * w.drive).sum::<f64>().sqrt();
-    for (parameter, Value { value, se }) in [("c", weak_estimate.c), ("f1", weak_estimate.f1)] {
-        if value < -SIGNIFICANCE * se && unexplained > MOST_UNEXPLAINED {
-            return Err(IdentifyError::NegativeFriction { parameter, value, percent: 100.0 * unexplained });
-        }
+    let left = unexplained(&weak_fit, &windows);
+    let frictions = [("c", weak_estimate.c), ("f1", weak_estimate.f1)];
+    let impossible = frictions.into_iter().find(|(_, friction)| negative(*friction));
+    let explained = left <= MOST_UNEXPLAINED;
+    // What explains the drive by a friction that gives power is no axis; what explains little of it may still be one.
+    if (impossible.is_some() || !explained)
+        && let Some(other) = swapped::explains_more(recordings, left, explained)
+    {
+        return Err(IdentifyError::Swapped { percent: 100.0 * left, other_percent: 100.0 * other });
+    }
+    if let Some((parameter, Value { value, .. })) = impossible.filter(|_| !explained) {
+        return Err(IdentifyError::NegativeFriction { parameter, value, percent: 100.0 * left });
     }
     weakly_determined(&weak_estimate, &mut undetermined);
     let noise = median(tracks.iter().map(|t| t.sigma).collect());
@@ -213,6 +232,16 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     })
 }
 
+/// Whether a friction is negative by more than its error.
+pub(super) fn negative(friction: Value) -> bool {
+    friction.value < -SIGNIFICANCE * friction.se
+}
+
+/// Root mean square of the drive that a fit leaves, over the drive's.
+pub(super) fn unexplained(fit: &WeakFit, windows: &[Window]) -> f64 {
+    fit.residual.norm() / windows.iter().map(|w| w.drive * w.drive).sum::<f64>().sqrt()
+}
+
 /// Work of the drive on the motion, drive units times position units: friction takes it up, so it is positive, unless drive or
 /// position has the wrong sign.
 fn work(tracks: &[Track]) -> f64 {
@@ -229,7 +258,7 @@ fn small_inertia(tracks: &[Track]) -> f64 {
     0.1 * (mean_square(|track| &track.u) / mean_square(|track| &track.acceleration).max(f64::MIN_POSITIVE)).sqrt()
 }
 
-fn both_directions(windows: &[Window]) -> bool {
+pub(super) fn both_directions(windows: &[Window]) -> bool {
     let forward = windows.iter().filter(|w| w.direction > 0.0).count();
     let least = (windows.len() / 50).max(3);
     forward >= least && windows.len() - forward >= least
@@ -244,7 +273,7 @@ fn follows_direction(windows: &[Window]) -> bool {
     })
 }
 
-fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, IdentifyError> {
+pub(super) fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, IdentifyError> {
     let (columns, target) = weak::base_columns(windows);
     let columns: DMatrix<f64> = if both { columns } else { columns.columns(0, 3).into_owned() };
     let refuse = |parameter, advice| Err(IdentifyError::Undetermined { parameter, advice });
@@ -278,7 +307,7 @@ fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, IdentifyError> 
     }
 }
 
-fn from_weak(fit: &WeakFit, both: bool) -> Estimate {
+pub(super) fn from_weak(fit: &WeakFit, both: bool) -> Estimate {
     let value = |i: usize| Value { value: fit.coefficients[i], se: fit.covariance[(i, i)].max(0.0).sqrt() };
     Estimate { estimator: "weak_form", b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
 }

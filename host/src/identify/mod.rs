@@ -6,5 +6,6 @@ pub mod dual;
 pub mod estimate;
 pub mod relay;
 pub mod shooting;
+mod swapped;
 pub mod track;
 pub mod weak;

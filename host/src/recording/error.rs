@@ -1,30 +1,28 @@
 //! What can be wrong with a recording: one variant and one message each, with file, line, column and what to do.
 
+mod clock;
+mod place;
+mod session;
+
 use std::io;
 
+pub use clock::ClockError;
+pub use place::Place;
+pub use session::SessionError;
+
+use super::limits::{MAX_COLUMNS, MAX_ROW_BYTES};
 use crate::nearest::did_you_mean;
-
-/// A place in a recording's file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The file's name as it was given.
-    pub file: String,
-    /// Line, from 1, comments and header row counted.
-    pub line: u64,
-    /// Name of the column.
-    pub column: String,
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "{}:{}: column `{}`", self.file, self.line, self.column)
-    }
-}
 
 /// Why a file is not a recording that can be used, or could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
+    /// What is wrong with its clock.
+    #[error(transparent)]
+    Clock(#[from] ClockError),
+    /// What is wrong with a session of recordings.
+    #[error(transparent)]
+    Session(#[from] SessionError),
     /// There is no such file.
     #[error("{file}: no such file; check the path")]
     NotFound {
@@ -102,6 +100,39 @@ pub enum RecordingError {
         /// Rows needed.
         needed: usize,
     },
+    /// A row that does not end.
+    #[error(
+        "{file}:{line}: no end of the row within {} KiB, the most that is read of one; a recording has one row per sample, and \
+         a quote must be closed", MAX_ROW_BYTES >> 10
+    )]
+    LongRow {
+        /// The file's name as it was given.
+        file: String,
+        /// Line of the row.
+        line: u64,
+    },
+    /// More columns than are read.
+    #[error(
+        "{file}:{line}: the header row has {found} columns, and at most {MAX_COLUMNS} are read; leave out those not needed"
+    )]
+    TooManyColumns {
+        /// The file's name as it was given.
+        file: String,
+        /// Line of the header row.
+        line: u64,
+        /// Columns found.
+        found: usize,
+    },
+    /// More rows than are read.
+    #[error("{file}:{line}: the recording goes on past {most} rows, the most that are read; split the file")]
+    TooManyRows {
+        /// The file's name as it was given.
+        file: String,
+        /// Line of the first row too many.
+        line: u64,
+        /// Rows that are read.
+        most: usize,
+    },
     /// A column that is not there.
     #[error("{file}:{line}: no column `{wanted}`{}; name it with {flag}; columns: {}{}", did_you_mean(nearest.as_deref()), columns.join(", "), if columns.len() == 1 { "; are they separated by commas, semicolons or tabs?" } else { "" })]
     WrongColumn {
@@ -144,6 +175,12 @@ pub enum RecordingError {
         /// The field.
         text: String,
     },
+    /// A number that goes on over lines.
+    #[error("{place}: the field goes on past the end of its line; is a quote opened and not closed?")]
+    OpenQuote {
+        /// Where.
+        place: Place,
+    },
     /// An empty field.
     #[error("{place}: the field is empty; remove the row (the reader then sees a gap) or repair it")]
     EmptyField {
@@ -152,7 +189,7 @@ pub enum RecordingError {
     },
     /// A row with fewer fields than the header row.
     #[error(
-        "{place}: the field is missing: the row has {found} field(s), the header {expected}; if this is the last row, the file was cut off: remove the row"
+        "{place}: the field is missing: the row has {found} field(s), the header {expected}; remove the row (the reader then sees a gap) or repair it"
     )]
     MissingField {
         /// Where.
@@ -182,35 +219,6 @@ pub enum RecordingError {
         /// Where.
         place: Place,
     },
-    /// Time goes back so often that the rows are in no order of time.
-    #[error(
-        "{place}: time goes back from {before} to {after}{}; sort the rows, keep one recording per file, or give the right \
-         column with --time",
-        if *times > 1 { format!(", and so {times} times") } else { String::new() }
-    )]
-    TimeDecreases {
-        /// Where it does so first.
-        place: Place,
-        /// Time of the row before, s.
-        before: f64,
-        /// Time of this row, s.
-        after: f64,
-        /// How often it does so.
-        times: u64,
-    },
-    /// Time stands still in all but a few rows.
-    #[error(
-        "{place}: time stands still at {time}, {rows} rows repeat the stamp of the row before; give the right column with \
-         --time, or the sampling rate with --fs"
-    )]
-    TimeRepeats {
-        /// Where it does so first.
-        place: Place,
-        /// The time, s.
-        time: f64,
-        /// Rows that repeat the stamp of the row before.
-        rows: usize,
-    },
     /// `--where` leaves nothing.
     #[error("{file}: no row has {wanted}; the first rows have {}", seen.join(", "))]
     NothingSelected {
@@ -221,21 +229,23 @@ pub enum RecordingError {
         /// Some values the column does have.
         seen: Vec<String>,
     },
-    /// No recording of a session moves.
+    /// The position rolls over, and nobody said that it does.
     #[error(
-        "{file}: no motion: column `{column}` {}; was the drive on, and large enough to overcome friction?",
-        if range.0 == range.1 { format!("is {} in all {rows} rows", range.0) }
-        else { format!("stays within one encoder step, {} to {}, in all {rows} rows", range.0, range.1) }
+        "{place}: the position goes from {before} to {after} within one row, against the motion around it{}; the encoder seems \
+         to roll over: give --wrap {modulus} to join the turns, or --wrap none if the axis did jump",
+        if *times > 1 { format!(", and so {times} times") } else { String::new() }
     )]
-    NoMotion {
-        /// The first file's name as it was given.
-        file: String,
-        /// The position column.
-        column: String,
-        /// Its lowest and highest value.
-        range: (f64, f64),
-        /// Rows read.
-        rows: usize,
+    RollsOver {
+        /// Where it does so first.
+        place: Place,
+        /// Position in the row before.
+        before: f64,
+        /// Position in this row.
+        after: f64,
+        /// How often it does so.
+        times: usize,
+        /// Position units after which it starts anew.
+        modulus: f64,
     },
     /// A signal to be fitted never changes.
     #[error("{file}: column `{column}` is constant ({value} in all {rows} rows); there is nothing to fit")]
@@ -264,11 +274,13 @@ pub enum RecordingError {
         expected: &'static str,
     },
     /// An option out of range.
-    #[error("{option} is {value}; it must be a positive, finite number")]
+    #[error("{option} is {value}; it must be a number from {:e} to {:e}", range.0, range.1)]
     Option {
         /// The option's name.
         option: &'static str,
         /// Its value.
         value: f64,
+        /// Lowest and highest value.
+        range: (f64, f64),
     },
 }

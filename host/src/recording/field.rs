@@ -24,6 +24,7 @@ pub(super) fn number(bytes: &[u8], place: impl FnOnce() -> Place) -> Result<f64,
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(RecordingError::NotFinite { place: place(), text: shown(text) }),
         Err(_) if text.is_empty() => Err(RecordingError::EmptyField { place: place() }),
+        Err(_) if text.contains('\n') => Err(RecordingError::OpenQuote { place: place() }),
         Err(_) => Err(RecordingError::NotANumber { place: place(), text: shown(text) }),
     }
 }

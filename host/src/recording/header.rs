@@ -11,6 +11,8 @@ pub(super) struct Header {
     pub tick_s: Option<f64>,
     /// Encoder step, position units.
     pub encoder_step: Option<f64>,
+    /// Position units per turn of the axis.
+    pub counts_per_turn: Option<f64>,
     /// Unit of each column named in `units: u=V, x=rad`.
     pub units: BTreeMap<String, String>,
     /// Rows (from 0) at which a new piece begins because samples before it were dropped.
@@ -43,6 +45,10 @@ impl Header {
             "encoder step" => {
                 let number = positive(value).ok_or_else(|| wrong("a positive step such as `3.14e-4 rad`"))?;
                 self.encoder_step = Some(number);
+            }
+            "counts per turn" => {
+                let number = positive(value).ok_or_else(|| wrong("a positive number such as `4096`"))?;
+                self.counts_per_turn = Some(number);
             }
             "units" => {
                 for pair in value.split(',') {

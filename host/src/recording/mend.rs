@@ -1,7 +1,7 @@
 //! Clocks as loggers write them: a stamp written twice, a stamp out of order, a clock that starts anew inside a file.
 
 use super::MIN_ROWS;
-use super::error::{Place, RecordingError};
+use super::error::{ClockError, Place, RecordingError};
 use super::lines::Lines;
 use super::quality::Warning;
 use super::table::Table;
@@ -43,10 +43,10 @@ impl Repair {
                 continue;
             }
             let goes_on = stamps.get(row + 1).is_none_or(|&next| next > stamps[last]);
-            let leapt = |&at: &usize| stamp > stamps[at] && stamps[last] - stamps[at] > GAP_FACTOR * typical;
+            let leapt = |at: usize| stamp > stamps[at] && stamps[last] - stamps[at] > GAP_FACTOR * typical;
             if goes_on {
                 repair.stray.push(row);
-            } else if before.as_ref().is_some_and(leapt) {
+            } else if before.is_some_and(leapt) {
                 repair.stray.push(last);
                 last = row;
             } else {
@@ -121,7 +121,7 @@ impl Table {
     /// lays the parts end to end. What was done is added to `found`.
     ///
     /// # Errors
-    /// [`RecordingError::TimeRepeats`] if next to nothing is left, [`RecordingError::TimeDecreases`] if the rows are in no
+    /// [`ClockError::TimeRepeats`] if next to nothing is left, [`ClockError::TimeDecreases`] if the rows are in no
     /// order of time.
     pub(super) fn mend_clock(&mut self, file: &str, column: &str) -> Result<(), RecordingError> {
         let repair = Repair::new(&self.t);
@@ -136,13 +136,13 @@ impl Table {
         {
             let (before, after) = (self.t[row - 1], self.t[row]);
             let times = (stray.len() + restarts.len()) as u64;
-            return Err(RecordingError::TimeDecreases { place: place(row), before, after, times });
+            return Err(ClockError::TimeDecreases { place: place(row), before, after, times }.into());
         }
         if let Some(&row) = repeated.first()
             && rows >= MIN_ROWS
             && rows - repeated.len() - stray.len() < MIN_ROWS
         {
-            return Err(RecordingError::TimeRepeats { place: place(row), time: self.t[row], rows: repeated.len() });
+            return Err(ClockError::TimeRepeats { place: place(row), time: self.t[row], rows: repeated.len() }.into());
         }
         let lines = |rows: &[usize]| rows.iter().map(|&row| self.lines.of(row)).collect::<Lines>();
         let mut found = Vec::new();
@@ -162,18 +162,16 @@ impl Table {
         self.cut(restarts.iter().copied());
         self.retain(&repair.keep(rows));
         lay_end_to_end(&mut self.t, &self.restarts);
-        // A shift may round two stamps to one number.
+        // A shift may round two stamps to one number, and take one past the largest.
         let mut last = f64::NEG_INFINITY;
-        let later: Vec<bool> = self
-            .t
-            .iter()
-            .map(|&t| {
-                t > last && {
-                    last = t;
-                    true
-                }
-            })
-            .collect();
+        let follows = |&t: &f64| {
+            let follows = t > last && t.is_finite();
+            if follows {
+                last = t;
+            }
+            follows
+        };
+        let later: Vec<bool> = self.t.iter().map(follows).collect();
         if later.contains(&false) {
             self.retain(&later);
         }

@@ -3,20 +3,25 @@
 //! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
+mod clock;
 mod error;
 mod field;
 mod header;
 mod held;
+mod limits;
 mod lines;
 mod mend;
 mod options;
+mod outliers;
 mod quality;
 mod quantisation;
 mod refreshed;
+mod rows;
 mod signal;
 mod table;
 mod timing;
 mod units;
+mod wrap;
 mod write;
 
 use std::collections::BTreeMap;
@@ -24,14 +29,17 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-pub use error::{Place, RecordingError};
+pub use clock::TimeUnit;
+pub use error::{ClockError, Place, RecordingError, SessionError};
 pub use held::Held;
+pub use limits::{MAX_COLUMNS, MAX_ROW_BYTES, MAX_ROWS};
 pub use lines::Lines;
 pub use options::{ReadOptions, Selection};
 pub use quality::Warning;
 pub use signal::Signal;
 pub use timing::{EVEN_WITHIN, GAP_FACTOR, Timing};
 pub use units::Units;
+pub use wrap::Wrap;
 
 use table::{Table, Wanted};
 
@@ -56,6 +64,8 @@ pub struct Recording {
     pub encoder_step: Option<f64>,
     /// Units of drive and position, for reports.
     pub units: Units,
+    /// Position units per turn of the axis, where the position is in counts and it is known.
+    pub counts_per_turn: Option<f64>,
     /// Where it comes from: `experiment`, `firmware build`, `seed` and the like.
     pub meta: BTreeMap<String, String>,
     /// Indices, increasing, at which a new piece begins because samples before it are missing.
@@ -85,20 +95,25 @@ impl Recording {
             Wanted { name: options.position_column(), flag: "--position" },
         ];
         let mut table = Table::read(file, input, options, &wanted)?;
+        table.check(file)?;
+        let unknown = Units::default();
+        let unit_of = |name| units::of_column(name, &table.header).map(|unit| field::shown(&unit));
+        let units = Units {
+            u: unit_of(options.input_column()).unwrap_or(unknown.u),
+            x: unit_of(options.position_column()).unwrap_or(unknown.x),
+        };
+        table.warn_of_drive(0);
+        table.clean_position(file, (1, options.position_column()), &units.x, options.wrap)?;
         let x = table.columns.pop().unwrap_or_default();
         let u = table.columns.pop().unwrap_or_default();
         if x.len() < MIN_ROWS {
             return Err(table.too_short(file));
         }
-        let unknown = Units::default();
-        let unit_of = |name| units::of_column(name, &table.header);
         let mut recording = Self {
             name: file_stem(file),
             encoder_step: options.encoder_step.or(table.header.encoder_step),
-            units: Units {
-                u: unit_of(options.input_column()).unwrap_or(unknown.u),
-                x: unit_of(options.position_column()).unwrap_or(unknown.x),
-            },
+            units,
+            counts_per_turn: options.counts_per_turn.or(table.header.counts_per_turn),
             gaps: timing::gaps(&table.t, &table.breaks),
             meta: table.header.meta,
             found: table.found,
@@ -110,6 +125,11 @@ impl Recording {
             recording.encoder_step = quantisation::infer_step(&recording.x, recording.held().is_some());
         }
         Ok(recording)
+    }
+
+    /// How many radians one position unit is, or `None` where the position is no angle, or nobody said which.
+    pub fn radians_per_unit(&self) -> Option<f64> {
+        self.units.radians(self.counts_per_turn)
     }
 }
 

@@ -4,12 +4,19 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::RecordingError;
+use super::clock::{POSSIBLE_HZ, TimeUnit};
+use super::wrap::Wrap;
+
+/// Lengths in position units that can be squared.
+const POSITIONS: (f64, f64) = (1e-100, 1e100);
 
 /// Which columns, which rows, and what the file does not say itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Column of time; `t` if not given. A name that ends in `_ms` or `_us` is read in that unit.
+    /// Column of time; `t` if not given.
     pub time: Option<String>,
+    /// Unit of the time column; else the header's `units` line, else what the column's name ends in, else s.
+    pub time_unit: Option<TimeUnit>,
     /// Column of the applied drive; `u` if not given.
     pub input: Option<String>,
     /// Column of the position; `x` if not given.
@@ -18,6 +25,12 @@ pub struct ReadOptions {
     pub fs_hz: Option<f64>,
     /// Encoder step in position units; else the file's header, else inferred.
     pub encoder_step: Option<f64>,
+    /// Position units per turn of the axis, if the position is in counts; else the file's header.
+    pub counts_per_turn: Option<f64>,
+    /// Most rows that are kept; [`MAX_ROWS`](super::MAX_ROWS) if not given.
+    pub max_rows: Option<usize>,
+    /// After how many position units the position starts anew; if not given, a position that does is refused.
+    pub wrap: Option<Wrap>,
     /// Conditions a row must meet, all of them.
     pub select: Vec<Selection>,
 }
@@ -39,11 +52,15 @@ impl ReadOptions {
     }
 
     pub(super) fn check(&self) -> Result<(), RecordingError> {
-        for (option, value) in [("--fs", self.fs_hz), ("--encoder-step", self.encoder_step)] {
+        for (option, value, range) in [
+            ("--fs", self.fs_hz, POSSIBLE_HZ),
+            ("--encoder-step", self.encoder_step, POSITIONS),
+            ("--counts-per-turn", self.counts_per_turn, POSITIONS),
+        ] {
             if let Some(value) = value
-                && !(value.is_finite() && value > 0.0)
+                && !(range.0 <= value && value <= range.1)
             {
-                return Err(RecordingError::Option { option, value });
+                return Err(RecordingError::Option { option, value, range });
             }
         }
         Ok(())

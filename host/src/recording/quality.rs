@@ -5,6 +5,7 @@ use std::fmt;
 use super::Recording;
 use super::held::Held;
 use super::lines::Lines;
+use super::table::Table;
 
 /// Least fraction of samples stuck at an extreme of the drive that is worth a warning.
 const SATURATED: f64 = 0.01;
@@ -12,6 +13,10 @@ const SATURATED: f64 = 0.01;
 const LEVELS: usize = 16;
 /// A number past this is no position and no drive in any unit, and its square may be past what a number can be.
 const LARGE: f64 = 1e100;
+/// Size of a drive, in the largest of all other rows, from which it is worth a warning.
+const DRIVE_LEAP: f64 = 10.0;
+/// Most rows of such a drive that are single ones.
+const SINGLE: usize = 3;
 /// Share of repeated stamps from which the clock itself is too coarse; single double rows are far fewer.
 const COARSE_CLOCK: f64 = 0.1;
 /// Samples in a row at the extreme that count as stuck there; a peak touches it once or twice.
@@ -46,6 +51,29 @@ pub enum Warning {
         lines: Lines,
         /// Time stamps before and at the first of them, s.
         stamps_s: (f64, f64),
+    },
+    /// The position leaps out and back within a few rows; these rows are left out, and the recording is cut there.
+    Outliers {
+        /// Their lines in the file.
+        lines: Lines,
+        /// The first of them, position units.
+        value: f64,
+    },
+    /// Single rows of the drive are far larger than all others; they are used as they are.
+    DriveOutliers {
+        /// Their lines in the file.
+        lines: Lines,
+        /// The first of them, drive units.
+        value: f64,
+        /// The largest size of the others, drive units.
+        others: f64,
+    },
+    /// The last row is cut off; it is left out.
+    Torn {
+        /// Its line.
+        line: u64,
+        /// What is there of it.
+        text: String,
     },
     /// The sensor refreshes the position less often than rows are written; in between it is held.
     Held(Held),
@@ -110,6 +138,19 @@ impl fmt::Display for Warning {
                 out,
                 "{lines}: the clock starts anew (first from {before} s to {after} s); the recording is cut there"
             ),
+            Self::Outliers { lines, value } => write!(
+                out,
+                "{lines}: the position leaps out and back (to {value} first); these rows are left out, and the recording is \
+                 cut there"
+            ),
+            Self::DriveOutliers { lines, value, others } => write!(
+                out,
+                "{lines}: the drive ({value} first) is far larger than in all other rows (at most {others}); remove these \
+                 rows if it was not applied"
+            ),
+            Self::Torn { line, text } => {
+                write!(out, "line {line}: the last row (`{text}`) is cut off; it is left out")
+            }
             Self::Held(held) => write!(
                 out,
                 "the position is refreshed every {:.3} ms and held in between: {:.0} % of the rows in motion repeat the row \
@@ -184,6 +225,25 @@ impl Recording {
             found.push(Warning::Jitter { intervals_s: (timing.min_s, timing.median_s, timing.max_s) });
         }
         found
+    }
+}
+
+impl Table {
+    /// Warns of single rows in which the drive, in column `column`, is far larger than in all others.
+    pub(super) fn warn_of_drive(&mut self, column: usize) {
+        let Some(u) = self.columns.get(column) else { return };
+        let largest = u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        let far = |u: &f64| u.abs() > largest / DRIVE_LEAP;
+        let others = u.iter().filter(|u| !far(u)).fold(0.0, |most: f64, u| most.max(u.abs()));
+        let rows: Vec<usize> = u.iter().enumerate().filter(|(_, u)| far(u)).map(|(row, _)| row).collect();
+        if let Some(&first) = rows.first()
+            && others > 0.0
+            && rows.len() <= SINGLE
+            && u[first].abs() > DRIVE_LEAP * others
+        {
+            let lines = rows.iter().map(|&row| self.lines.of(row)).collect();
+            self.found.push(Warning::DriveOutliers { lines, value: u[first], others });
+        }
     }
 }
 

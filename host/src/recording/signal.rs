@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::error::{Place, RecordingError};
+use super::error::{ClockError, Place, RecordingError};
 use super::options::ReadOptions;
 use super::quality::Warning;
 use super::table::{Table, Wanted};
@@ -40,19 +40,20 @@ impl Signal {
     /// Reads from `input`; `file` is its name in messages.
     ///
     /// # Errors
-    /// [`RecordingError`], with file, line and column; [`RecordingError::TimeDecreases`] if the clock starts anew.
+    /// [`RecordingError`], with file, line and column; [`ClockError::TimeDecreases`] if the clock starts anew. Any rate is
+    /// taken: a reference may have a row for every few seconds.
     pub fn read_from(
         file: &str,
         input: impl Read,
         column: Option<&str>,
         options: &ReadOptions,
     ) -> Result<Self, RecordingError> {
-        let (signal, found) = Self::read_mended(file, input, column, options)?;
+        let (signal, found) = Self::read_any(file, input, column, options, |_| Ok(()))?;
         for warning in found {
             if let Warning::ClockRestarts { lines, stamps_s: (before, after) } = warning {
                 let place =
                     Place { file: file.to_owned(), line: lines.first(), column: options.time_column().to_owned() };
-                return Err(RecordingError::TimeDecreases { place, before, after, times: lines.count() });
+                return Err(ClockError::TimeDecreases { place, before, after, times: lines.count() }.into());
             }
         }
         Ok(signal)
@@ -68,12 +69,23 @@ impl Signal {
         column: Option<&str>,
         options: &ReadOptions,
     ) -> Result<(Self, Vec<Warning>), RecordingError> {
+        Self::read_any(file, input, column, options, |table| table.check(file))
+    }
+
+    fn read_any(
+        file: &str,
+        input: impl Read,
+        column: Option<&str>,
+        options: &ReadOptions,
+        check: impl FnOnce(&Table) -> Result<(), RecordingError>,
+    ) -> Result<(Self, Vec<Warning>), RecordingError> {
         let wanted = match column {
             Some(name) => Wanted { name, flag: "--signal" },
             None => Wanted { name: options.position_column(), flag: "--position or --signal" },
         };
         let name = wanted.name.to_owned();
         let mut table = Table::read(file, input, options, &[wanted])?;
+        check(&table)?;
         table.keep_longest_part();
         let y = table.columns.pop().unwrap_or_default();
         if y.len() < MIN_ROWS {

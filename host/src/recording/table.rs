@@ -4,16 +4,15 @@ use std::io::{BufRead, BufReader, Read};
 
 use csv::ByteRecord;
 
+use super::clock::Clock;
 use super::error::{Place, RecordingError};
 use super::field;
 use super::header::Header;
+use super::limits::{BUFFER, Limited, MAX_ROWS, Meter};
 use super::lines::LineOfRow;
-use super::options::ReadOptions;
+use super::options::{ReadOptions, Selection};
 use super::quality::Warning;
-use crate::nearest::nearest;
-
-/// Values of a `--where` column that a message lists.
-const SEEN_VALUES: usize = 5;
+use super::rows::{Names, RowReader, Rows};
 
 /// A column that is wanted, and the flag with which the user names it.
 pub(super) struct Wanted<'a> {
@@ -25,6 +24,8 @@ pub(super) struct Wanted<'a> {
 #[derive(Debug)]
 pub(super) struct Table {
     pub header: Header,
+    /// Where time comes from.
+    pub clock: Clock,
     /// Time, s.
     pub t: Vec<f64>,
     pub columns: Vec<Vec<f64>>,
@@ -40,45 +41,6 @@ pub(super) struct Table {
     pub found: Vec<Warning>,
 }
 
-/// The header row: names, and where it stands.
-struct Names<'a> {
-    file: &'a str,
-    line: u64,
-    columns: Vec<String>,
-}
-
-impl Names<'_> {
-    fn index(&self, wanted: &str, flag: &'static str) -> Result<usize, RecordingError> {
-        let mut found = (0..self.columns.len()).filter(|&k| self.columns[k] == wanted);
-        match (found.next(), found.next()) {
-            (Some(index), None) => Ok(index),
-            (Some(_), Some(_)) => Err(RecordingError::DuplicateColumn {
-                file: self.file.to_owned(),
-                line: self.line,
-                column: wanted.to_owned(),
-            }),
-            (None, _) => Err(RecordingError::WrongColumn {
-                file: self.file.to_owned(),
-                line: self.line,
-                wanted: wanted.to_owned(),
-                flag,
-                nearest: nearest(wanted, self.columns.iter().map(String::as_str)).map(str::to_owned),
-                columns: self.columns.iter().map(|name| field::shown(name)).collect(),
-            }),
-        }
-    }
-}
-
-/// Where a row's time comes from.
-enum Clock {
-    /// A column, and its unit in seconds.
-    Column { index: usize, unit_s: f64 },
-    /// The row number.
-    Rate { fs_hz: f64 },
-    /// The row number, by the file's own `# tick`.
-    Tick { tick_s: f64 },
-}
-
 impl Table {
     /// Reads from `input`; `file` is the name for messages.
     pub(super) fn read(
@@ -88,35 +50,25 @@ impl Table {
         wanted: &[Wanted<'_>],
     ) -> Result<Self, RecordingError> {
         options.check()?;
-        let failed = |source| RecordingError::Read { file: file.to_owned(), source };
-        let mut input = BufReader::with_capacity(1 << 16, input);
+        let (input, meter) = Limited::new(input);
+        let mut input = BufReader::with_capacity(BUFFER, input);
         let mut header = Header::default();
-        let (first_row, comments) = read_header(file, &mut input, &mut header)?;
+        let (first_row, comments) = read_header(file, &mut input, &mut header, &meter)?;
         let delimiter = delimiter(&first_row);
-        let mut rows = csv::ReaderBuilder::new()
+        let csv = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .comment(Some(b'#'))
             .delimiter(delimiter)
             // Not CRLF: csv would end such a row at its CR and count the line only with the next row. The CR is trimmed.
             .terminator(csv::Terminator::Any(b'\n'))
-            .buffer_capacity(1 << 16)
+            .buffer_capacity(BUFFER)
             .from_reader(first_row.as_slice().chain(input).chain(b"\n".as_slice()));
+        let mut rows = Rows { csv, meter, file, comments, line: comments };
 
         let mut row = ByteRecord::new();
-        rows.read_byte_record(&mut row).map_err(|e| failed(e.into()))?;
-        let names = Names {
-            file,
-            line: comments + 1,
-            columns: row.iter().map(|name| String::from_utf8_lossy(name.trim_ascii()).into_owned()).collect(),
-        };
-        if names.columns.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(RecordingError::NoHeader {
-                file: file.to_owned(),
-                line: names.line,
-                found: field::shown(&names.columns.join(",")),
-            });
-        }
+        rows.next(&mut row)?;
+        let names = Names::new(file, comments + 1, &row)?;
         // A file that is no recording at all has no such column either, and says so better.
         let other = |error| match crate::mistaken::seems(&first_row) {
             Some(found) => RecordingError::OtherFile { file: file.to_owned(), found },
@@ -130,9 +82,9 @@ impl Table {
             .iter()
             .map(|s| Ok((names.index(&s.column, "--where")?, s)))
             .collect::<Result<Vec<_>, RecordingError>>()?;
-
         let mut table = Self {
             header,
+            clock: clock.clone(),
             t: Vec::new(),
             columns: vec![Vec::new(); wanted.len()],
             breaks: Vec::new(),
@@ -141,118 +93,101 @@ impl Table {
             last_line: names.line,
             found: Vec::new(),
         };
-        let mut dropped = std::mem::take(&mut table.header.gaps).into_iter().peekable();
-        let mut seen: Vec<String> = Vec::new();
-        let mut broken = false;
-        let mut number: usize = 0;
-        while rows.read_byte_record(&mut row).map_err(|e| failed(e.into()))? {
-            if row.len() == 1 && row.as_slice().trim_ascii().is_empty() {
-                continue;
-            }
-            let this = number;
-            number += 1;
-            let end = rows.position().line();
-            let before = std::mem::replace(&mut table.last_line, comments + end.saturating_sub(1));
-            // Asked only when something is wrong: it reads the row once more.
-            let line = || comments + first_line(&row, end);
-            let place = |index: usize| Place {
-                file: file.to_owned(),
-                line: line(),
-                column: names
-                    .columns
-                    .get(index)
-                    .map_or_else(|| format!("number {}", index + 1), |name| field::shown(name)),
-            };
-            if row.len() > names.columns.len() {
-                return Err(RecordingError::ExtraFields {
-                    file: file.to_owned(),
-                    line: line(),
-                    found: row.len(),
-                    expected: names.columns.len(),
-                });
-            }
-            let field = |index: usize| {
-                row.get(index).ok_or_else(|| RecordingError::MissingField {
-                    place: place(index),
-                    found: row.len(),
-                    expected: names.columns.len(),
-                })
-            };
-            while dropped.next_if(|&at| at <= this).is_some() {
-                broken = true;
-            }
-            let mut selected = true;
-            for (index, condition) in &selection {
-                let found = field(*index)?;
-                if !condition.matches(found) {
-                    selected = false;
-                    note(&mut seen, found);
-                }
-            }
-            if !selected {
-                broken = true;
-                continue;
-            }
-            let t = match clock {
-                Clock::Column { index, unit_s } => field::number(field(index)?, || place(index))? * unit_s,
-                Clock::Rate { fs_hz } => this as f64 / fs_hz,
-                Clock::Tick { tick_s } => this as f64 * tick_s,
-            };
-            if broken && !table.t.is_empty() {
-                table.breaks.push(table.t.len());
-            }
-            broken = false;
-            table.t.push(t);
-            table.lines.push(if before + 1 == table.last_line { table.last_line } else { line() });
-            for (column, &index) in table.columns.iter_mut().zip(&indices) {
-                column.push(field::number(field(index)?, || place(index))?);
-            }
-        }
+        let mut reader = RowReader { names: &names, clock, indices, selection, seen: Vec::new(), values: Vec::new() };
+        let most = options.max_rows.unwrap_or(MAX_ROWS);
+        table.read_rows(&mut rows, &mut reader, most)?;
         if table.t.is_empty() {
-            return Err(if number == 0 {
+            return Err(if reader.seen.is_empty() {
                 RecordingError::NoRows { file: file.to_owned(), line: names.line }
             } else {
+                let seen = std::mem::take(&mut reader.seen);
                 RecordingError::NothingSelected { file: file.to_owned(), wanted: join(&options.select), seen }
             });
         }
-        if let Clock::Column { index, .. } = clock {
-            let column = names.columns.get(index).map_or_else(String::new, |name| field::shown(name));
-            table.mend_clock(file, &column)?;
+        if let Clock::Column { name, .. } = &table.clock {
+            let name = name.clone();
+            table.mend_clock(file, &name)?;
         }
         Ok(table)
     }
-}
 
-/// The line on which a row begins, from 1. Its own position may lie on comments before it, so count back from its end;
-/// an unclosed quote has no end of line, there its own position is the later one.
-fn first_line(row: &ByteRecord, end: u64) -> u64 {
-    let lines = row.as_slice().split(|&byte| byte == b'\n').count() as u64;
-    let start = row.position().map_or(0, csv::Position::line);
-    end.saturating_sub(lines).max(start)
-}
-
-/// Remembers a value of a `--where` column, for the message when none matches.
-fn note(seen: &mut Vec<String>, found: &[u8]) {
-    if seen.len() < SEEN_VALUES {
-        let text = format!("`{}`", field::shown(&String::from_utf8_lossy(found)));
-        if !seen.contains(&text) {
-            seen.push(text);
+    /// Reads the rows below the header row, at most `most`.
+    fn read_rows<R: Read>(
+        &mut self,
+        rows: &mut Rows<'_, R>,
+        reader: &mut RowReader<'_>,
+        most: usize,
+    ) -> Result<(), RecordingError> {
+        let mut dropped = std::mem::take(&mut self.header.gaps).into_iter().peekable();
+        let mut broken = false;
+        let mut row = ByteRecord::new();
+        let mut number: usize = 0;
+        while rows.next(&mut row)? {
+            while dropped.next_if(|&at| at <= number).is_some() {
+                broken = true;
+            }
+            let before = std::mem::replace(&mut self.last_line, rows.line);
+            match reader.read(&row, number, || rows.first_line(&row)) {
+                Ok(Some(t)) => {
+                    if self.t.len() == most {
+                        return Err(RecordingError::TooManyRows {
+                            file: rows.file.to_owned(),
+                            line: self.last_line,
+                            most,
+                        });
+                    }
+                    if broken && !self.t.is_empty() {
+                        self.breaks.push(self.t.len());
+                    }
+                    broken = false;
+                    self.t.push(t);
+                    self.lines.push(if before + 1 == rows.line { rows.line } else { rows.first_line(&row) });
+                    self.columns.iter_mut().zip(&reader.values).for_each(|(column, &value)| column.push(value));
+                }
+                Ok(None) => broken = true,
+                Err(error) => {
+                    let fields: Vec<_> = row.iter().map(String::from_utf8_lossy).collect();
+                    let text = fields.join(",");
+                    // Not one that an open quote has made of many.
+                    let may_be_torn = row.len() < reader.names.columns.len() && !text.contains('\n');
+                    let full = row.len() == reader.names.columns.len();
+                    let line = rows.first_line(&row);
+                    let last = (may_be_torn || full) && !rows.next(&mut row)?;
+                    if !last || full && rows.ends_a_line() {
+                        return Err(error);
+                    }
+                    self.found.push(Warning::Torn { line, text: field::shown(&text) });
+                    break;
+                }
+            }
+            number += 1;
         }
+        Ok(())
     }
 }
 
-fn join(selections: &[super::Selection]) -> String {
+fn join(selections: &[Selection]) -> String {
     let all: Vec<String> = selections.iter().map(ToString::to_string).collect();
     all.join(" and ")
 }
 
 /// Takes the comment lines; returns the first line that is none, and the number of lines before it.
-fn read_header(file: &str, input: &mut impl BufRead, header: &mut Header) -> Result<(Vec<u8>, u64), RecordingError> {
+fn read_header(
+    file: &str,
+    input: &mut impl BufRead,
+    header: &mut Header,
+    meter: &Meter,
+) -> Result<(Vec<u8>, u64), RecordingError> {
     let mut before = 0;
     let mut line = Vec::new();
     loop {
         line.clear();
-        input.read_until(b'\n', &mut line).map_err(|source| RecordingError::Read { file: file.to_owned(), source })?;
+        if let Err(error) = input.read_until(b'\n', &mut line) {
+            return Err(match crate::mistaken::seems(&line) {
+                Some(found) => RecordingError::OtherFile { file: file.to_owned(), found },
+                None => meter.error(file, before + 1, error),
+            });
+        }
         if line.is_empty() {
             return Err(RecordingError::Empty { file: file.to_owned() });
         }
@@ -289,14 +224,7 @@ fn clock(options: &ReadOptions, header: &Header, names: &Names<'_>) -> Result<Cl
     }
     let name = options.time_column();
     match (names.index(name, "--time (or give --fs)"), header.tick_s) {
-        (Ok(index), _) => {
-            let unit_s = match name.rsplit('_').next() {
-                Some("ms") => 1e-3,
-                Some("us") => 1e-6,
-                _ => 1.0,
-            };
-            Ok(Clock::Column { index, unit_s })
-        }
+        (Ok(index), _) => Ok(Clock::column(index, name, options.time_unit, header)),
         (Err(RecordingError::WrongColumn { .. }), Some(tick_s)) if options.time.is_none() => Ok(Clock::Tick { tick_s }),
         (Err(error), _) => Err(error),
     }

@@ -117,6 +117,7 @@ impl Recording {
                 x: cut(&self.x, piece),
                 encoder_step: self.encoder_step,
                 units: self.units.clone(),
+                counts_per_turn: self.counts_per_turn,
                 meta: self.meta.clone(),
                 gaps: Vec::new(),
                 found: Vec::new(),

@@ -20,6 +20,28 @@ impl Default for Units {
     }
 }
 
+impl Units {
+    /// How many radians one position unit is, or `None` where the position is no angle (`m`) or its unit is not known. Counts
+    /// are an angle if it is known how many make a turn; so is a unit that nobody named.
+    pub fn radians(&self, counts_per_turn: Option<f64>) -> Option<f64> {
+        let turn = std::f64::consts::TAU;
+        match self.x.to_lowercase().as_str() {
+            "rad" | "radian" | "radians" => Some(1.0),
+            "mrad" => Some(1e-3),
+            "urad" | "\u{b5}rad" | "\u{3bc}rad" => Some(1e-6),
+            "deg" | "\u{b0}" | "degree" | "degrees" => Some(turn / 360.0),
+            "arcmin" => Some(turn / 21_600.0),
+            "arcsec" => Some(turn / 1_296_000.0),
+            "gon" | "grad" => Some(turn / 400.0),
+            "rev" | "revs" | "revolution" | "revolutions" | "turn" | "turns" => Some(turn),
+            "counts" | "count" | "cnt" | "cnts" | "ticks" | "tick" | "steps" | "step" | "lsb" | "x" => {
+                counts_per_turn.map(|counts| turn / counts)
+            }
+            _ => None,
+        }
+    }
+}
+
 /// What a column's name may end in, after the last `_`: `u_V`, `x_rad`, `iq_A`.
 const SUFFIXES: [&str; 20] = [
     "V", "mV", "A", "mA", "N", "Nm", "mNm", "pct", "pwm", "rad", "mrad", "deg", "rev", "turns", "m", "mm", "um",
@@ -47,6 +69,34 @@ pub(super) fn of_column(name: &str, header: &Header) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A turn is 2π rad in each unit of angle; counts need their number, and a length is no angle.
+    #[test]
+    fn a_turn_is_a_turn_in_every_unit() {
+        let radians = |x: &str, counts| Units { u: "V".to_owned(), x: x.to_owned() }.radians(counts);
+        let turns = [
+            ("rad", std::f64::consts::TAU),
+            ("mrad", 1e3 * std::f64::consts::TAU),
+            ("deg", 360.0),
+            ("\u{b0}", 360.0),
+            ("arcmin", 21_600.0),
+            ("arcsec", 1_296_000.0),
+            ("gon", 400.0),
+            ("rev", 1.0),
+            ("Turns", 1.0),
+        ];
+        for (unit, turn) in turns {
+            let radians = radians(unit, None).unwrap_or_else(|| panic!("{unit}"));
+            assert!((radians * turn / std::f64::consts::TAU - 1.0).abs() < 1e-15, "{unit}");
+        }
+        assert_eq!(radians("counts", None), None);
+        assert_eq!(radians("counts", Some(4096.0)), Some(std::f64::consts::TAU / 4096.0));
+        assert_eq!(radians("x", Some(4096.0)), Some(std::f64::consts::TAU / 4096.0));
+        for unit in ["m", "mm", "um", "x", "V"] {
+            assert_eq!(radians(unit, None), None, "{unit}");
+        }
+        assert_eq!(radians("m", Some(4096.0)), None);
+    }
 
     #[test]
     fn units_come_from_the_header_the_suffix_or_the_brackets() {

@@ -29,9 +29,12 @@ impl Recording {
             writeln!(out, "# tick: {:?} s", decimal(tick_s))?;
         }
         let (u, x) = (unit(&self.units.u), unit(&self.units.x));
-        writeln!(out, "# units: u={u}, x={x}")?;
+        writeln!(out, "# units: t=s, u={u}, x={x}")?;
         if let Some(step) = self.encoder_step {
             writeln!(out, "# encoder step: {step:?} {x}")?;
+        }
+        if let Some(counts) = self.counts_per_turn {
+            writeln!(out, "# counts per turn: {counts:?}")?;
         }
         if !self.gaps.is_empty() {
             let rows: Vec<String> = self.gaps.iter().map(usize::to_string).collect();

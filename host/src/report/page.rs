@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::figure::{DARK, FIGURES, LIGHT};
 use super::text::escape;
+use crate::file::PAGE_MARK;
 
 /// A part of a page under its own heading.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +82,7 @@ impl Page {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n",
         );
+        let _ = writeln!(out, "{PAGE_MARK}");
         // Paper is light, whatever the screen was.
         let _ = writeln!(
             out,

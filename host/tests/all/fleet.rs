@@ -67,7 +67,7 @@ fn a_broken_machine_is_a_row_and_only_what_changed_is_done_again() {
     fs::write(place.join("machines/broken/a.csv"), "t,u,x\n0,1,nonsense\n").unwrap();
     fs::create_dir_all(place.join("machines/empty")).unwrap();
     let (output, first) = fleet(place, &["--workers", "2"]);
-    assert_eq!((output.status.code(), counts(&first)), (Some(0), [2, 0, 2]), "{first}");
+    assert_eq!((output.status.code(), counts(&first)), (Some(1), [2, 0, 2]), "{first}");
     assert_eq!(row(&first, "free")["effects"], serde_json::json!([]));
     let loaded = row(&first, "loaded");
     assert_eq!(loaded["effects"], serde_json::json!(["constant_load"]));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use breakaway::recording::{ReadOptions, Recording, Warning};
+use breakaway::recording::{ReadOptions, Recording, RecordingError, Warning, Wrap};
 
 /// The folder of measured recordings. Its absence is a failure in CI; elsewhere the test says that it was not run.
 fn data() -> Option<PathBuf> {
@@ -103,6 +103,76 @@ fn held_positions_are_told_from_coarse_encoders() {
         ("machines/so101/friction_gravity_elbow.csv", columns("t_s", "target_rad", "x_rad")),
     ] {
         assert_eq!(held(file, &options), None, "{file}");
+    }
+}
+
+/// All recordings in a folder of machines.
+fn files(folder: &std::path::Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    entries.map(|entry| entry.unwrap().path()).collect()
+}
+
+/// What real axes do, stick and slip, break away, spin up within a row, is no fault of a sensor and no roll-over. A sample of
+/// 65 535 among them is.
+#[test]
+fn measured_motion_is_no_fault_and_a_glitch_in_it_is() {
+    let Some(data) = data() else { return };
+    let machines = [
+        ("cicese", "t_s", "u_Nm", "x_rad"),
+        ("flexlink", "t_s", "u_cmd", "x_counts"),
+        ("frc-swerve", "t_s", "u_left_V", "x_left"),
+        ("hsm150", "t_s", "u_Nm", "x_rad"),
+        ("odrive", "t_s", "u_set_A", "x_rad"),
+        ("openarm", "t_s", "tau_Nm", "x_rad"),
+        ("pendulum-ak80", "time", "torque", "position"),
+        ("so101", "t_s", "target_rad", "x_rad"),
+        ("xl330", "t_s", "u_V", "x_rad"),
+    ];
+    for (folder, time, input, position) in machines {
+        for file in files(&data.join("machines").join(folder)) {
+            let options = columns(time, input, position);
+            let recording = Recording::read(&file, &options).unwrap_or_else(|error| panic!("{error}"));
+            let faults = |recording: &Recording| {
+                recording
+                    .found
+                    .iter()
+                    .filter(|w| matches!(w, Warning::Outliers { .. } | Warning::DriveOutliers { .. }))
+                    .count()
+            };
+            assert_eq!(faults(&recording), 0, "{}: {:?}", file.display(), recording.found);
+            let mut glitch = recording.clone();
+            glitch.x[recording.x.len() / 3] = 65_535.0;
+            let mut bytes = Vec::new();
+            glitch.write_to(&mut bytes).unwrap();
+            let again = Recording::read_from("glitch.csv", bytes.as_slice(), &ReadOptions::default()).unwrap();
+            assert_eq!((faults(&again), again.x.len()), (1, recording.x.len() - 1), "{}", file.display());
+        }
+    }
+}
+
+/// Rotors that spin at up to 150 rad/s, 40 rows a turn, on a clock that jitters by 7 ms: rolled into one turn of 2π rad they
+/// are refused with that turn, and joined by it they are what they were, but for whole turns.
+#[test]
+fn measured_rotors_that_roll_over_are_joined() {
+    let Some(data) = data() else { return };
+    for (file, input) in [
+        ("laas-motor/current-sine-2hz.csv", "iq_A"),
+        ("laas-motor/speed-control.csv", "iq_A"),
+        ("machines/odrive/spinup_4_nocomp_seg16.csv", "u_set_A"),
+        ("machines/odrive/spinup_6_nocomp_seg40.csv", "u_set_A"),
+    ] {
+        let measured = Recording::read(&data.join(file), &columns("t_s", input, "x_rad")).unwrap();
+        let turn = std::f64::consts::TAU;
+        let rolled = Recording { x: measured.x.iter().map(|x| x.rem_euclid(turn)).collect(), ..measured.clone() };
+        let mut bytes = Vec::new();
+        rolled.write_to(&mut bytes).unwrap();
+        let read = |options: &ReadOptions| Recording::read_from(file, bytes.as_slice(), options);
+        let refused = read(&ReadOptions::default()).unwrap_err();
+        let RecordingError::RollsOver { modulus, .. } = refused else { panic!("{file}: {refused}") };
+        assert_eq!(modulus, turn, "{file}");
+        let joined = read(&ReadOptions { wrap: Some(Wrap::Modulus(modulus)), ..ReadOptions::default() }).unwrap();
+        let off = joined.x[0] - measured.x[0];
+        assert!(joined.x.iter().zip(&measured.x).all(|(a, b)| (a - b - off).abs() < 1e-9), "{file}");
     }
 }
 

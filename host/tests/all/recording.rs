@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use breakaway::recording::{ReadOptions, Recording, Signal, Units, Warning};
+use breakaway::recording::{ReadOptions, Recording, Signal, TimeUnit, Units, Warning};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -11,10 +11,15 @@ fn read(text: &str, options: &ReadOptions) -> Recording {
     Recording::read_from("dir/a.csv", text.as_bytes(), options).unwrap()
 }
 
+/// A row per second is believed if the unit is told.
+fn in_seconds() -> ReadOptions {
+    ReadOptions { time_unit: Some(TimeUnit::Seconds), ..ReadOptions::default() }
+}
+
 #[test]
 fn a_file_with_quotes_semicolons_byte_order_mark_and_crlf_is_read() {
     let plain = "t,u,x\n0,1,0.5\n1,-1,0.25\n2,1,0.5\n3,1,0.75\n4,1,0.5\n5,-1,1e-3\n6,1,2\n7,1,3\n";
-    let wanted = read(plain, &ReadOptions::default());
+    let wanted = read(plain, &in_seconds());
     assert_eq!(wanted.name, "a");
     assert_eq!(wanted.x[..3], [0.5, 0.25, 0.5]);
     let quoted = plain.replace("0.25", "\" 0.25\"").replace("x\n", "\"x\"\n");
@@ -27,7 +32,7 @@ fn a_file_with_quotes_semicolons_byte_order_mark_and_crlf_is_read() {
         plain.trim_end().to_owned(),
         plain.replace("\n4,", "\n\n# remark\n4,"),
     ] {
-        assert_eq!(read(&other, &ReadOptions::default()), wanted, "{other}");
+        assert_eq!(read(&other, &in_seconds()), wanted, "{other}");
     }
 }
 
@@ -68,7 +73,7 @@ fn a_selection_cuts_the_record_into_pieces() {
         let on = if (10..20).contains(&k) || k == 25 { "0" } else { "1.0" };
         writeln!(text, "{},{},{},{on}", 100 + k, k % 3, k * k).unwrap();
     }
-    let mut options = ReadOptions { select: vec!["on=1".parse().unwrap()], ..ReadOptions::default() };
+    let mut options = ReadOptions { select: vec!["on=1".parse().unwrap()], ..in_seconds() };
     let on = read(&text, &options);
     assert_eq!(on.t.len(), 19);
     assert_eq!(on.gaps, [10, 15]);
@@ -94,7 +99,7 @@ fn gaps_are_intervals_of_more_than_five_medians_or_reported_drops() {
     };
     let gaps = |header: &str, step: f64| {
         let text = format!("{header}t,u,x\n{}", times(step));
-        read(&text, &ReadOptions::default()).gaps
+        read(&text, &in_seconds()).gaps
     };
     assert_eq!(gaps("", 3.9), [] as [usize; 0]);
     assert_eq!(gaps("", 4.1), [7]);
@@ -132,14 +137,15 @@ fn finite() -> impl Strategy<Value = f64> {
 
 prop_compose! {
     fn recordings()(
-        samples in vec((finite(), finite(), finite()), 8..60),
+        start in -1e6..1e6_f64,
+        // From 1 µs to 1000 s; a median past 2.8 hours would be refused.
+        samples in vec((-6.0..3.0_f64, finite(), finite()), 8..60),
         step in proptest::option::of(1e-300..1e300_f64),
         gap in 1_usize..8,
         units in ("[a-zA-Z%°µ·/]{1,6}", "[a-zA-Z%°µ·/]{1,6}"),
         meta in proptest::collection::btree_map("[a-z]{5,9}( [a-z]{1,5})?", "[a-z0-9][a-z0-9:,=#\"]{0,12}", 0..4),
     ) -> Recording {
-        let mut t: Vec<f64> = samples.iter().map(|s| s.0).collect();
-        t.sort_by(f64::total_cmp);
+        let mut t: Vec<f64> = samples.iter().scan(start, |t, s| { *t += 10_f64.powf(s.0); Some(*t) }).collect();
         t.dedup();
         let count = t.len();
         let mut recording = Recording {
@@ -150,6 +156,7 @@ prop_compose! {
             // Without a step in the file the reader may infer one.
             encoder_step: Some(step.unwrap_or(1.0)),
             units: Units { u: units.0, x: units.1 },
+            counts_per_turn: step.map(f64::abs),
             meta,
             gaps: vec![gap],
             found: Vec::new(),
@@ -172,6 +179,7 @@ proptest! {
         prop_assert_eq!(bits(&back.u), bits(&recording.u));
         prop_assert_eq!(bits(&back.x), bits(&recording.x));
         prop_assert_eq!(&back.encoder_step, &recording.encoder_step);
+        prop_assert_eq!(&back.counts_per_turn, &recording.counts_per_turn);
         prop_assert_eq!(&back.units, &recording.units);
         prop_assert_eq!(&back.meta, &recording.meta);
         prop_assert!(back.gaps.contains(&recording.gaps[0]));
@@ -186,7 +194,7 @@ proptest! {
 /// Found by the fuzzer: a key that ended in control characters became another key, one of the reader's own, in writing.
 #[test]
 fn control_characters_in_a_comment_are_blanks() {
-    let rows = "t,u,x\n0,1,0\n1,1,1\n2,-1,2\n3,1,4\n4,1,5\n5,-1,6\n6,1,8\n7,1,7\n";
+    let rows = "t,u,x\n0,1,0\n.1,1,1\n.2,-1,2\n.3,1,4\n.4,1,5\n.5,-1,6\n.6,1,8\n.7,1,7\n";
     let wrong = format!("# units\0\u{1}: rad\n{rows}");
     let error = Recording::read_from("a.csv", wrong.as_bytes(), &ReadOptions::default()).unwrap_err();
     assert!(error.to_string().contains("such as `u=V, x=rad`"), "{error}");
@@ -198,8 +206,7 @@ fn control_characters_in_a_comment_are_blanks() {
 fn a_recording_that_cannot_be_written_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
-    let good =
-        read("t,u,x\n0,1,0.5\n1,-1,0.25\n2,1,0.5\n3,1,0.75\n4,1,0.5\n5,-1,1\n6,1,2\n7,1,3\n", &ReadOptions::default());
+    let good = read("t,u,x\n0,1,0.5\n1,-1,0.25\n2,1,0.5\n3,1,0.75\n4,1,0.5\n5,-1,1\n6,1,2\n7,1,3\n", &in_seconds());
     good.write(&path).unwrap();
     let before = std::fs::read(&path).unwrap();
     let mut bad = good.clone();

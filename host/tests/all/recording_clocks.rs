@@ -1,4 +1,5 @@
 //! Clocks as loggers write them: what is mended, what is said of it, and recordings that do not move among others.
+#![allow(clippy::format_collect, reason = "some rows of text; the fold would hide what they are")]
 
 use std::fmt::Write as _;
 use std::fs;

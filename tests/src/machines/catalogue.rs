@@ -42,7 +42,6 @@ pub const EMPS: Machine = Machine {
     files: 1,
     columns: columns("u_V", "x_m"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::Effects {
         lead: &[Kind::AsymmetricViscous, Kind::ConstantLoad],
         needed: &[Kind::AsymmetricViscous],
@@ -65,7 +64,6 @@ pub const LAAS_SINE: Machine = Machine {
     files: 1,
     columns: columns("iq_A", "x_rad"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::lead(&[Kind::Cogging], &[]),
     known: LAAS_COGGING,
 };
@@ -92,7 +90,6 @@ pub const XL330: Machine = Machine {
     files: 8,
     columns: Columns { select: Some("torque_enable=1"), ..columns("u_V", "x_rad") },
     groups: &[Group { name: "kp100+200", holds: &["kp100", "kp200"] }],
-    clock_faults: &[],
     truth: Truth::lead(&[Kind::GravityLoad], &[Kind::LoadFriction]),
     known: &[Known::new(Some(Kind::GravityLoad), "m", 5.7, README).unsigned()],
 };
@@ -106,7 +103,6 @@ pub const FLEXLINK: Machine = Machine {
     files: 8,
     columns: columns("u_cmd", "x_counts"),
     groups: &[],
-    clock_faults: &[],
     // What tells a lag from a delay happens within the 2 ms of a sample.
     truth: Truth::lead(&[Kind::FlexibleCoupling], &[Kind::Delay, Kind::ElectricalLag]),
     known: &[
@@ -129,7 +125,6 @@ pub const CICESE: Machine = Machine {
         Group { name: "sig0", holds: &["sig0_"] },
         Group { name: "sig1", holds: &["sig1_"] },
     ],
-    clock_faults: &["est_j1_n05_exp2_gan.csv", "est_j1_n05_exp3_gan.csv"],
     // The joint breaks away in jumps: a level at rest above that of sliding.
     truth: Truth::lead(&[Kind::Dahl, Kind::LuGre], &[Kind::Stiction, Kind::Stribeck]),
     known: &[Known::within(None, "f1", [8.4, 10.6], README)],
@@ -144,7 +139,6 @@ pub const ODRIVE: Machine = Machine {
     files: 68,
     columns: columns("u_set_A", "x_rad"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::lead(&[Kind::Cogging], &[]),
     known: &[
         Known::new(None, "b", 3.4e-3, README),
@@ -162,7 +156,6 @@ pub const HSM150: Machine = Machine {
     files: 3,
     columns: columns("u_Nm", "x_rad"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::lead(&[Kind::ConstantLoad], &[]),
     known: &[Known::new(Some(Kind::ConstantLoad), "f0", 0.009, README).unsigned()],
 };
@@ -176,7 +169,6 @@ pub const FRC_LEFT: Machine = Machine {
     files: 4,
     columns: columns("u_left_V", "x_left"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::Nothing,
     known: &[Known::new(None, "c", 0.67, README), Known::new(None, "f1", 0.26, README)],
 };
@@ -198,7 +190,6 @@ pub const AK80: Machine = Machine {
     files: 2,
     columns: Columns { time: "time", units: Some(["Nm", "rad"]), ..columns("torque", "position") },
     groups: &[],
-    clock_faults: &[],
     // The offset is published; a lag of 16 ms does as a delay does.
     truth: Truth::lead(&[Kind::GravityLoad], &[Kind::Delay, Kind::ElectricalLag, Kind::ConstantLoad]),
     known: &[
@@ -220,7 +211,6 @@ pub const OPENARM: Machine = Machine {
     files: 1,
     columns: columns("tau_Nm", "x_rad"),
     groups: &[],
-    clock_faults: &[],
     truth: Truth::lead(&[Kind::Stiction, Kind::Stribeck, Kind::LuGre, Kind::Dahl], &[]),
     known: &[Known::new(None, "f1", 0.15, README)],
 };
@@ -234,7 +224,6 @@ pub const SO101: Machine = Machine {
     files: 6,
     columns: Columns { time: "t_s", input: None, position: "x_rad", select: None, units: None },
     groups: &[],
-    clock_faults: &[],
     truth: Truth::NoDrive,
     known: &[],
 };

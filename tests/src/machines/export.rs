@@ -40,7 +40,7 @@ pub fn write(folder: &Path, machines: &[(&Machine, Vec<Source>)]) -> Result<(), 
     std::fs::create_dir_all(folder)?;
     let mut list = csv::Writer::from_path(folder.join(LIST))?;
     for (machine, sources) in machines {
-        let recordings = || sources.iter().flat_map(|source| &source.recordings);
+        let recordings = || sources.iter().flat_map(|source| &source.recording);
         let unit = recordings().next().map_or("", |recording| recording.units.x.as_str());
         let waves = machine.known.iter().filter(|known| known.of == Some(Kind::Cogging) && known.symbol == "n");
         let waves: Vec<String> = waves.map(|known| known.from.to_string()).collect();
@@ -75,7 +75,7 @@ mod tests {
             gaps: vec![2],
             ..Recording::default()
         };
-        let source = Source { file: "a.csv".into(), recordings: vec![recording], remark: None };
+        let source = Source { file: "a.csv".into(), recording: Some(recording), remark: None };
         let folder = tempfile::tempdir().unwrap();
         write(folder.path(), &[(&LAAS_SINE, vec![source])]).unwrap();
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

@@ -38,8 +38,6 @@ pub struct Machine {
     pub columns: Columns,
     /// Groups of its files that are a split of their own.
     pub groups: &'static [Group],
-    /// Files whose clock stands still or restarts: they are split there.
-    pub clock_faults: &'static [&'static str],
     /// What a discovery has to say.
     pub truth: Truth,
     /// Parameters that are known, with their source.

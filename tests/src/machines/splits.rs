@@ -91,13 +91,13 @@ impl Taken {
     pub fn concerns(&self, source: &Source) -> bool {
         let stem = source.file.trim_end_matches(".csv");
         let mut all = self.fit.iter().chain(&self.holdout);
-        source.recordings.is_empty() || all.any(|recording| recording.name.starts_with(stem))
+        source.recording.is_none() || all.any(|recording| recording.name.starts_with(stem))
     }
 }
 
 /// The recordings that a split takes of a machine's files.
 pub fn taken(machine: &Machine, split: Split, sources: &[Source]) -> Taken {
-    let all = |sources: &[&Source]| sources.iter().flat_map(|source| source.recordings.iter().cloned()).collect();
+    let all = |sources: &[&Source]| sources.iter().flat_map(|source| source.recording.iter().cloned()).collect();
     let chosen = |of: &dyn Fn(usize, &Source) -> bool| {
         let chosen = sources.iter().enumerate().filter(|(k, source)| of(*k, source));
         all(&chosen.map(|(_, source)| source).collect::<Vec<_>>())

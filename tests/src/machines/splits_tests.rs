@@ -4,7 +4,7 @@ use super::*;
 fn source(file: &str, rows: usize, gaps: Vec<usize>) -> Source {
     let t: Vec<f64> = (0..rows).map(|k| k as f64).collect();
     let recording = Recording { name: file.to_owned(), u: t.clone(), x: t.clone(), t, gaps, ..Recording::default() };
-    Source { file: file.to_owned(), recordings: vec![recording], remark: None }
+    Source { file: file.to_owned(), recording: Some(recording), remark: None }
 }
 
 fn names(recordings: &[Recording]) -> Vec<&str> {
@@ -38,7 +38,7 @@ fn a_split_takes_the_rows_and_files_it_names() {
     let group = taken(&XL330, Split::Group("kp100+200"), &files);
     assert_eq!(names(&group.fit), ["a_kp100", "b_kp200"]);
     assert!(group.concerns(&files[0]) && !group.concerns(&files[1]));
-    assert!(group.concerns(&Source { recordings: Vec::new(), ..files[1].clone() }), "refused");
+    assert!(group.concerns(&Source { recording: None, ..files[1].clone() }), "refused");
     let fold = taken(&XL330, Split::Without { fold: 1, of: 2 }, &files);
     assert_eq!((names(&fold.fit), names(&fold.holdout)), (vec!["a_kp100", "b_kp200"], vec!["a_kp400", "b_kp800"]));
 }

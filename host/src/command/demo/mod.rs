@@ -1,6 +1,7 @@
 //! `breakaway demo`: the story on a simulated axis, from the relay experiment to the model, to a hidden effect named.
 
 mod board;
+mod folder;
 mod hidden;
 mod session;
 
@@ -105,6 +106,7 @@ impl Args {
     /// # Errors
     /// A folder or file that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        folder::claim(output.folder(&self.output, "a folder")?, output)?;
         if self.on_virtual_board {
             return board::run(&self, output);
         }

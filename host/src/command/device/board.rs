@@ -1,7 +1,6 @@
 //! What `breakaway device` asks of a board, and how the answers are printed.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use breakaway_core::link::{Command, FaultRecord, Identified, Info, Reply, Settings};
 use serde::Serialize;
@@ -12,6 +11,7 @@ use crate::command::UsageError;
 use crate::command::output::Output;
 use crate::device::scale::{Scale, decimal};
 use crate::device::{Client, DeviceError, model, settings, text};
+use crate::file::Target;
 use crate::model::Model;
 
 /// A board, and where its answers are printed.
@@ -172,7 +172,7 @@ impl Board {
         self.output.print(&Done { done: "loaded; `save` keeps it across resets" }, |done| done.done.to_owned())
     }
 
-    pub fn model_get(&mut self, file: Option<&Path>) -> anyhow::Result<()> {
+    pub fn model_get(&mut self, file: Option<&Target>) -> anyhow::Result<()> {
         let wire = match self.client.request(Command::GetModel)? {
             Reply::Model(Some(wire)) => wire,
             Reply::Model(None) => return Err(anyhow::anyhow!("no model is loaded on the board")),
@@ -180,7 +180,7 @@ impl Board {
         };
         let model = model::from_wire(&wire, &self.info, &self.scale)?;
         if let Some(file) = file {
-            model.write(file)?;
+            file.write_text(&model.to_toml())?;
         }
         let document = json!({
             "b": model.base.b,
@@ -191,7 +191,7 @@ impl Board {
                 .collect::<Vec<_>>(),
         });
         self.output.print(&document, |_| match file {
-            Some(file) => format!("written to {}", file.display()),
+            Some(file) => format!("written to {file}"),
             None => model.to_toml(),
         })
     }

@@ -10,9 +10,10 @@ use super::super::output::Output;
 use super::super::progress;
 use super::super::recording_args::RecordingArgs;
 use super::{find, improved};
-use crate::fleet::machine::machines;
+use crate::file::{FileKind, make_folder};
+use crate::fleet::machine::{Machine, machines};
 use crate::fleet::page::sentence;
-use crate::fleet::result::Found;
+use crate::fleet::result::{Found, Place};
 use crate::fleet::row::Row;
 use crate::fleet::table::told;
 use crate::fleet::work::Job;
@@ -53,6 +54,7 @@ impl Fleet<'_> {
     pub fn run(&self, output: Output) -> anyhow::Result<()> {
         self.check_output()?;
         let machines = machines(self.folder)?;
+        self.check_results(&machines, output)?;
         let bar = progress::bar("machines", machines.len() as u64);
         let job = Job {
             machines: &machines,
@@ -87,9 +89,17 @@ impl Fleet<'_> {
         output.print(&document, |document| {
             format!("{}\n{}\n{} and {}\n", told(&rows), sentence(&rows), document.summary_csv, document.summary_html)
         })?;
-        if failed == rows.len() {
-            anyhow::bail!("no machine of {} could be worked on; each row says why", self.folder.display());
-        }
+        let machines = rows.len();
+        anyhow::ensure!(
+            failed < machines,
+            "no machine of {} could be worked on; each row says why",
+            self.folder.display()
+        );
+        anyhow::ensure!(
+            failed == 0,
+            "{failed} of {machines} machines of {} failed; their rows say why, and the others are done",
+            self.folder.display()
+        );
         Ok(())
     }
 
@@ -112,15 +122,36 @@ impl Fleet<'_> {
         Ok(())
     }
 
+    /// Before hours of work: nothing that is to be written is there as a file of somebody else.
+    fn check_results(&self, machines: &[Machine], output: Output) -> anyhow::Result<()> {
+        make_folder(self.output)?;
+        let tables = [("summary.csv", FileKind::FleetTable), ("summary.html", FileKind::Page)];
+        let tables = tables.map(|(name, kind)| (self.output.join(name), kind)).into_iter();
+        let results = machines.iter().map(|machine| Place::new(self.output, &machine.name)).flat_map(|place| {
+            [
+                (place.model(), FileKind::Model),
+                (place.report(), FileKind::Page),
+                (place.result(), FileKind::FleetResult),
+            ]
+        });
+        for (path, kind) in tables.chain(results).filter(|(path, _)| path.exists()) {
+            output.may_write(&path, kind, &[])?;
+        }
+        Ok(())
+    }
+
     /// The options that decide a result; the models are among its inputs.
     fn options(&self) -> serde_json::Value {
         let options = self.columns.options();
         json!({
             "time": options.time,
+            "time_unit": options.time_unit.map(|unit| unit.to_string()),
             "input": options.input,
             "position": options.position,
             "fs_hz": options.fs_hz,
             "encoder_step": options.encoder_step,
+            "counts_per_turn": options.counts_per_turn,
+            "wrap": options.wrap.map(|wrap| wrap.to_string()),
             "where": options.select.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }

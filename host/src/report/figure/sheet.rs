@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::style::{DARK, FIGURES, LIGHT};
+use crate::file::FIGURE_MARK;
 use crate::report::text::escape;
 
 /// Where a text is held.
@@ -115,7 +116,7 @@ impl Sheet {
         let origin = 0.0 - pad;
         let (w, h) = (self.width + 2.0 * pad, self.height + 2.0 * pad);
         let space = if standalone {
-            format!(" xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.0}\" height=\"{h:.0}\"")
+            format!(" xmlns=\"http://www.w3.org/2000/svg\" {FIGURE_MARK} width=\"{w:.0}\" height=\"{h:.0}\"")
         } else {
             String::new()
         };

@@ -99,14 +99,16 @@ fn ctrl_c_closes_the_file_properly() {
 fn a_kill_leaves_a_valid_part_and_an_old_file_untouched() {
     let folder = tempfile::tempdir().unwrap();
     let (path, part) = (folder.path().join("a.csv"), folder.path().join("a.csv.part"));
-    std::fs::write(&path, "old").unwrap();
+    // What it would replace, if it came to its end.
+    let old = "# units: t=s, u=V, x=rad\nt,u,x\n0.0,1.0,2.0\n";
+    std::fs::write(&path, old).unwrap();
     let peer = Peer::answering(reply, stream(&batches(0, 300, Mode::Idle)), Then::Stay);
     let arguments = ["capture", "--port", &peer.port, "-o", path.to_str().unwrap()];
     let mut child = start(&arguments);
     wait_for_rows(&part, 300);
     child.kill().unwrap();
     child.wait().unwrap();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), old);
     assert_eq!(read(&part).x.len(), 300);
     // The next capture does not overwrite it.
     let stderr = failure(&breakaway(&arguments), 1);

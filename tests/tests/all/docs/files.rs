@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use breakaway::command::{Cli, Command};
+use breakaway::file::Target;
 
 /// Files and folders of a command line, as they stand there.
 #[derive(Debug, Default)]
@@ -18,6 +19,11 @@ impl Files {
     pub fn of(cli: &Cli) -> Self {
         let mut files = Self::default();
         let some = |path: &Option<PathBuf>| path.clone().into_iter().collect::<Vec<_>>();
+        // Standard output is no file.
+        let target = |target: &Option<Target>| match target {
+            Some(Target::File(path)) => vec![path.clone()],
+            Some(Target::Standard) | None => Vec::new(),
+        };
         match &cli.command {
             Command::Demo(a) => files.writes.push(a.output.clone()),
             Command::Run(a) => {
@@ -29,15 +35,15 @@ impl Files {
             }
             Command::Simulate(a) => {
                 files.reads.extend([a.model.clone(), a.experiment.clone()]);
-                files.writes.push(a.output.clone());
+                files.writes = target(&Some(a.output.clone()));
             }
             Command::Discover(a) => {
                 files.reads.extend([a.recordings.clone(), a.holdout.clone(), some(&a.model), some(&a.fleet)].concat());
-                files.writes.extend([some(&a.output), some(&a.report)].concat());
+                files.writes.extend([target(&a.output), target(&a.report)].concat());
             }
             Command::Identify(a) => {
                 files.reads.clone_from(&a.recordings);
-                files.writes = some(&a.output);
+                files.writes = target(&a.output);
             }
             Command::Sinefit(a) => files.reads.push(a.recording.clone()),
             Command::VirtualBoard(a) => {
@@ -50,11 +56,11 @@ impl Files {
                 if !a.reference.contains(':') {
                     files.reads.push(a.reference.clone().into());
                 }
-                files.writes = [some(&a.output), some(&a.report)].concat();
+                files.writes = [some(&a.output), target(&a.report)].concat();
             }
             Command::Tune(a) => {
                 files.reads.push(a.model.clone());
-                files.writes = some(&a.output);
+                files.writes = target(&a.output);
             }
             Command::Man(a) => files.writes = some(&a.output),
             Command::Effects(_) | Command::Monitor(_) | Command::Device(_) | Command::Completions(_) => {}

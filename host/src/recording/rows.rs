@@ -1,0 +1,178 @@
+//! The rows of a file, one after the other: their names, their fields, and where they stand.
+
+use std::io::Read;
+use std::rc::Rc;
+
+use csv::ByteRecord;
+
+use super::clock::Clock;
+use super::error::{Place, RecordingError};
+use super::field;
+use super::limits::{MAX_COLUMNS, Meter};
+use super::options::Selection;
+use crate::nearest::nearest;
+
+/// Columns that a message lists.
+const LISTED: usize = 24;
+/// Values of a `--where` column that a message lists.
+const SEEN_VALUES: usize = 5;
+
+/// The header row: names, and where it stands.
+pub(super) struct Names<'a> {
+    pub file: &'a str,
+    pub line: u64,
+    pub columns: Vec<String>,
+}
+
+impl<'a> Names<'a> {
+    /// The names in a header row.
+    pub(super) fn new(file: &'a str, line: u64, row: &ByteRecord) -> Result<Self, RecordingError> {
+        if row.len() > MAX_COLUMNS {
+            return Err(RecordingError::TooManyColumns { file: file.to_owned(), line, found: row.len() });
+        }
+        let columns = row.iter().map(|name| String::from_utf8_lossy(name.trim_ascii()).into_owned()).collect();
+        let names = Self { file, line, columns };
+        if names.columns.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let found = field::shown(&names.columns.join(","));
+            return Err(RecordingError::NoHeader { file: file.to_owned(), line, found });
+        }
+        Ok(names)
+    }
+
+    pub(super) fn index(&self, wanted: &str, flag: &'static str) -> Result<usize, RecordingError> {
+        let mut found = (0..self.columns.len()).filter(|&k| self.columns[k] == wanted);
+        match (found.next(), found.next()) {
+            (Some(index), None) => Ok(index),
+            (Some(_), Some(_)) => Err(RecordingError::DuplicateColumn {
+                file: self.file.to_owned(),
+                line: self.line,
+                column: wanted.to_owned(),
+            }),
+            (None, _) => Err(RecordingError::WrongColumn {
+                file: self.file.to_owned(),
+                line: self.line,
+                wanted: wanted.to_owned(),
+                flag,
+                nearest: nearest(wanted, self.columns.iter().map(String::as_str)).map(field::shown),
+                columns: self.listed(),
+            }),
+        }
+    }
+}
+
+impl Names<'_> {
+    /// The columns for a message.
+    fn listed(&self) -> Vec<String> {
+        let mut listed: Vec<String> = self.columns.iter().take(LISTED).map(|name| field::shown(name)).collect();
+        if let Some(more) = self.columns.len().checked_sub(LISTED + 1) {
+            listed.push(format!("and {} more", more + 1));
+        }
+        listed
+    }
+}
+
+/// The rows of a file.
+pub(super) struct Rows<'a, R> {
+    pub csv: csv::Reader<R>,
+    pub meter: Rc<Meter>,
+    pub file: &'a str,
+    /// Lines before the header row.
+    pub comments: u64,
+    /// Last line of the row that was read last.
+    pub line: u64,
+}
+
+impl<R: Read> Rows<'_, R> {
+    /// Reads the next row that is not blank; `false` at the end.
+    pub(super) fn next(&mut self, row: &mut ByteRecord) -> Result<bool, RecordingError> {
+        loop {
+            match self.csv.read_byte_record(row) {
+                Err(error) => return Err(self.meter.error(self.file, self.line + 1, error.into())),
+                Ok(false) => return Ok(false),
+                Ok(true) => {}
+            }
+            self.meter.row_ended();
+            if !(row.len() == 1 && row.as_slice().trim_ascii().is_empty()) {
+                self.line = self.comments + self.csv.position().line().saturating_sub(1);
+                return Ok(true);
+            }
+        }
+    }
+
+    /// Whether the last byte of the file ends a line; known at its end.
+    pub(super) fn ends_a_line(&self) -> bool {
+        self.meter.ends_a_line()
+    }
+
+    /// The line on which the row that was read last begins, from 1. Its own position may lie on comments before it, so count
+    /// back from its end; an unclosed quote has no end of line, there its own position is the later one.
+    pub(super) fn first_line(&self, row: &ByteRecord) -> u64 {
+        let lines = row.as_slice().split(|&byte| byte == b'\n').count() as u64;
+        let start = row.position().map_or(0, csv::Position::line);
+        self.comments + (self.line + 1 - self.comments).saturating_sub(lines).max(start)
+    }
+}
+
+/// What is read of each row.
+pub(super) struct RowReader<'a> {
+    pub names: &'a Names<'a>,
+    pub clock: Clock,
+    pub indices: Vec<usize>,
+    pub selection: Vec<(usize, &'a Selection)>,
+    /// Values of `--where` columns, for the message when none matches.
+    pub seen: Vec<String>,
+    /// The numbers of the last row, in the order of `indices`.
+    pub values: Vec<f64>,
+}
+
+impl RowReader<'_> {
+    /// Takes the numbers of a row, and gives its time in s, or `None` if it is not selected.
+    pub(super) fn read(
+        &mut self,
+        row: &ByteRecord,
+        number: usize,
+        line: impl Fn() -> u64,
+    ) -> Result<Option<f64>, RecordingError> {
+        let Names { file, columns, .. } = self.names;
+        let (found, expected) = (row.len(), columns.len());
+        if found > expected {
+            return Err(RecordingError::ExtraFields { file: (*file).to_owned(), line: line(), found, expected });
+        }
+        let place = |index: usize| {
+            let column = columns.get(index).map(|name| field::shown(name));
+            let column = column.unwrap_or_else(|| format!("number {}", index + 1));
+            Place { file: (*file).to_owned(), line: line(), column }
+        };
+        let field = |index: usize| {
+            row.get(index).ok_or_else(|| RecordingError::MissingField { place: place(index), found, expected })
+        };
+        let mut selected = true;
+        for (index, condition) in &self.selection {
+            let value = field(*index)?;
+            if !condition.matches(value) {
+                selected = false;
+                note(&mut self.seen, value);
+            }
+        }
+        if !selected {
+            return Ok(None);
+        }
+        let number_in = |index: usize| field::number(field(index)?, || place(index));
+        let t = self.clock.time_s(number, number_in)?;
+        self.values.clear();
+        for &index in &self.indices {
+            self.values.push(number_in(index)?);
+        }
+        Ok(Some(t))
+    }
+}
+
+/// Remembers a value of a `--where` column, for the message when none matches.
+fn note(seen: &mut Vec<String>, found: &[u8]) {
+    if seen.len() < SEEN_VALUES {
+        let text = format!("`{}`", field::shown(&String::from_utf8_lossy(found)));
+        if !seen.contains(&text) {
+            seen.push(text);
+        }
+    }
+}
