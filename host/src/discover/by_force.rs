@@ -2,15 +2,13 @@
 
 use breakaway_core::plant::{Effect, Kind};
 
-use super::chain::{Ended, rung};
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
-use super::ranking::parameters;
-use super::refit;
+use super::search::{Ended, parameters, rung, settled};
 use crate::identify::shooting::{Candidate, Fit, Free, SCORE_ITERATIONS};
 use crate::recording::Units;
 
@@ -133,7 +131,7 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>
     free.retain(|free| !held(free));
     let problem = data.problem();
     let by_force = problem.fit(&candidate, &[], None, SCORE_ITERATIONS);
-    let by_motion = problem.fit(&candidate, &free, None, ITERATIONS).map(|fit| refit::settled(data, fit));
+    let by_motion = problem.fit(&candidate, &free, None, ITERATIONS).map(|fit| settled(data, fit));
     let open_loop = |fit: &Fit| {
         let windows = open_loop_squares(data, &data.open_loop, fit);
         let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
@@ -179,6 +177,25 @@ fn canonical(mut fit: Fit) -> Fit {
 fn rivals(finding: &Finding) -> Vec<Rival> {
     let tied = finding.tied.iter();
     tied.map(|(kind, z)| Rival { kind: *kind, delta: 0.0, z: *z, tied: true }).collect()
+}
+
+/// The judge's first round as lines of the table, of a discovery that named `named`.
+pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> {
+    let fate = |kind: Kind| {
+        let tied = |own: &NamedEffect| own.rivals.iter().any(|rival| rival.tied && rival.kind == kind);
+        if named.iter().any(|own| own.kind == kind) {
+            Some("named".to_owned())
+        } else if named.iter().any(tied) {
+            Some("tied: these recordings cannot tell it from the named effect".to_owned())
+        } else {
+            None
+        }
+    };
+    let rows = ruling.candidates.iter().map(|own| {
+        let row = row(own, ruling);
+        CandidateRow { fate: fate(own.kind).unwrap_or_else(|| row.fate.clone()), ..row }
+    });
+    rows.collect()
 }
 
 /// A line of the first round.

@@ -1,6 +1,7 @@
 //! The recordings of a discovery: what is fitted, what is only scored, and the noise floor.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 use crate::identify::shooting::{self, Problem, Segment};
 use crate::identify::track::{self, Track, median};
@@ -41,6 +42,8 @@ pub struct Data {
     pub available: usize,
     /// Mean square below which differences between models do not count; 0 for the noise's.
     pub softening: f64,
+    /// Simulated samples so far, of all that was done with these data.
+    pub work: Arc<AtomicU64>,
 }
 
 impl Data {
@@ -67,7 +70,7 @@ impl Data {
         let ahead = shooting::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
         let ahead = sampled(ahead.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
-        Self { tracks: tracks.into(), fit, score, open_loop, ahead, segment_s, sigma, available, softening: 0.0 }
+        Self { tracks: tracks.into(), fit, score, open_loop, ahead, segment_s, sigma, available, softening: 0.0, work: Arc::default() }
     }
 
     /// The same data, judged with `softening` in place of the noise where that is larger.
@@ -89,6 +92,7 @@ impl Data {
             warm_up_s: WARM_UP_S,
             softening: self.softening,
             coarse: false,
+            work: Some(&self.work),
         }
     }
 

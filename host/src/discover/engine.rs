@@ -6,14 +6,13 @@ use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
 use breakaway_core::plant::{Base, Effect};
 
 use super::by_force;
-use super::chain::{Ended, Tie};
 use super::data::Data;
 use super::judge;
 use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, Overlay, Provenance};
-use super::refit;
 use super::screen::Screen;
+use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
@@ -194,7 +193,7 @@ pub(super) fn prepared(
     let (start, remarks) = starting_model(request, ruling)?;
     progress("fitting the base model");
     let base =
-        refit::fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
+        fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
     Ok(Prepared { data, base, remarks })
 }
 

@@ -114,10 +114,6 @@ impl Gap {
     pub(super) fn followed_by_bodies(&self, after: &Self) -> bool {
         after.drifts_as_the_base() || after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
     }
-    /// Whether with `after` the typical segment's mean square is below half of what it was, whatever became of the worst ones.
-    pub(super) fn typically_halved(&self, after: &Self) -> bool {
-        after.mean_log < self.mean_log && after.median < 0.5 * self.median
-    }
     /// Whether it is worth looking for a further effect.
     pub(super) fn something_left(&self) -> bool {
         !self.only_outliers() || self.mean_log > LEFT

@@ -4,7 +4,7 @@
 //! the windows' test function, is a column (its amplitudes), or a change of the right-hand side (the parameters on a
 //! grid) of the weak form; wave numbers come from the spectrum of the residual force.
 
-use breakaway_core::plant::effect::{ActsIn, Parameter, Scale, Search};
+use breakaway_core::plant::effect::{ActsIn, Parameter, Role, Scale, Search};
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant};
 use nalgebra::{DMatrix, DVector};
 
@@ -294,10 +294,10 @@ fn phase_of(parameters: &[Parameter], i: usize) -> Option<usize> {
 
 /// A trial value at which the force is still proportional to the amplitude.
 fn trial_value(parameter: &Parameter, force: f64) -> f64 {
-    match parameter.unit {
-        "1" => 0.01_f64.min(parameter.max),
-        "1/s" => 1e-4,
-        "X" => 1e-6,
+    match parameter.role {
+        Role::Ratio => 0.01_f64.min(parameter.max),
+        Role::Rate => 1e-4,
+        Role::Eccentricity => 1e-6,
         _ => force,
     }
 }

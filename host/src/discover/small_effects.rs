@@ -1,11 +1,13 @@
-//! Effects too small for the measured forces, on a machine so quiet that the sensor's noise is all that need be left: the simulated
-//! motion is fitted, and what comes down to that noise is believed.
+//! Effects too small for the measured forces, on a machine so quiet that the sensor's noise is all that need be left: models are
+//! searched on the simulated motion, and what comes down to that noise is believed.
 
-use super::chain::Chain;
+use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::engine::{DiscoverError, Request, assembled, prepared};
+use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
 use super::judge::ruling::Ruling;
+use super::model::Model;
 use super::outcome::{Discovery, Verdict};
+use super::search::Search;
 use crate::recording::Units;
 
 /// What the simulation says.
@@ -39,7 +41,7 @@ pub(super) fn found(
     Ok(found)
 }
 
-/// The chain over segments of one length.
+/// The search over segments of one length. It begins with the base, and with the judge's names beside it.
 fn within(
     request: &Request,
     units: &Units,
@@ -49,14 +51,21 @@ fn within(
 ) -> Result<Discovery, DiscoverError> {
     let start =
         prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
-    let chain = grown(Chain::new(&start.data, units, start.base.clone()), progress);
-    let other = chain.begun_otherwise().map(|other| grown(other, progress)).find(|other| other.replaces(&chain));
-    let ended = other.unwrap_or(chain).end();
+    let judged = ruling.filter(|ruling| !ruling.findings.is_empty()).map(|ruling| judged(&start, ruling));
+    let mut ended = Search::new(&start.data, units, start.base.clone()).run(judged.as_ref(), progress);
+    if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {
+        ended.first_round = by_force::rows(ruling, &ended.named);
+    }
     Ok(assembled(request, &start, units, ended, progress))
 }
 
-/// A model grown until nothing is missing, or nothing more can be named.
-fn grown<'a>(mut chain: Chain<'a>, progress: &(dyn Fn(&str) + Sync)) -> Chain<'a> {
-    while chain.step(progress) {}
-    chain
+/// The base with the judge's names, and what the judge held.
+fn judged(start: &Prepared, ruling: &Ruling) -> Model {
+    let mut model = Model::of(&start.base);
+    for finding in &ruling.findings {
+        model = model.with(finding.effect);
+        let j = model.effects.len() - 1;
+        finding.held.iter().for_each(|i| model.hold(j, *i));
+    }
+    model.on(ruling.base)
 }

@@ -336,7 +336,7 @@ pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<shooting::Segmen
 
 fn output_error<'a>(tracks: &'a [Track], segments: &'a [shooting::Segment], noise: f64) -> Problem<'a> {
     let sigma = noise.max(f64::MIN_POSITIVE);
-    Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false }
+    Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None }
 }
 
 fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {

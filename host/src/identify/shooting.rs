@@ -5,6 +5,7 @@
 //! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
@@ -79,6 +80,8 @@ pub struct Problem<'a> {
     pub softening: f64,
     /// Half the sub-steps that the effects' dynamics ask for: to compare starts, not to state parameters.
     pub coarse: bool,
+    /// Where simulated samples are counted.
+    pub work: Option<&'a AtomicU64>,
 }
 
 /// A fitted model.
@@ -179,12 +182,19 @@ impl Problem<'_> {
         mut visit: impl FnMut(usize, R) -> ControlFlow<()>,
     ) {
         let track = &self.tracks[segment.track];
+        let mut samples = 0;
         for k in segment.start..segment.start + segment.len {
+            samples += 1;
             if visit(k, plant.measured(state.x)).is_break() {
-                return;
+                break;
             }
             let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };
             plant.advance(&mut state, drive, n);
+        }
+        if let Some(work) = self.work {
+            // With derivatives a number is as many times longer as they take.
+            let numbers = n * size_of::<R>() / size_of::<f64>();
+            work.fetch_add(samples * numbers as u64, Ordering::Relaxed);
         }
     }
 

@@ -48,7 +48,7 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
         segment_s: SEGMENT as f64 * TS,
         sigma: SIGMA,
         available: n / segment,
-        softening: 0.0,
+        softening: 0.0, work: Arc::default(),
     };
     let candidate = Candidate { base: Base { b: 1.0, c: 1.0, f1: 1e3 }, effects: Vec::new() };
     let (free, initial) = (Vec::new(), Vec::new());
@@ -211,17 +211,6 @@ fn a_further_effect_closes_what_is_left() {
     assert!(!left.closed_by(&Gap { mean_log: 0.041, ..EXPLAINED }));
     assert!(!left.closed_by(&Gap { mean_log: 0.01, above: 0.06, ..EXPLAINED }));
     assert!(!BEFORE.closed_by(&Gap { mean_log: 0.07, ..EXPLAINED }));
-}
-
-/// Typically halved: the median's mean square below half, and no worse in the mean logarithm, whatever the worst ones do.
-#[test]
-fn the_typical_segment_is_halved() {
-    let after = |mean_log, median| Gap { mean_log, median, excess: 1e3, rmse: 1e3, ..BEFORE };
-    assert!(BEFORE.typically_halved(&after(0.39, 1.49)));
-    assert!(!BEFORE.typically_halved(&after(0.39, 1.5)));
-    assert!(!BEFORE.typically_halved(&after(0.39, 2.0)));
-    assert!(!BEFORE.typically_halved(&after(0.4, 1.0)));
-    assert!(!BEFORE.typically_halved(&after(0.5, 1.0)));
 }
 
 /// A second body leaves less than half of what is above the noise in open loop: of 9 times the noise, 8 above it, less than 4.

@@ -1,0 +1,99 @@
+//! Drop and swap: each effect of a model is compared with nothing and with what it may be confused with, beside the others.
+
+use std::sync::Arc;
+
+use breakaway_core::plant::Kind;
+
+use super::Search;
+use super::add::{Round, add};
+use super::compare::{as_good, better, gain, has_body};
+use super::descend::LAST_ITERATIONS;
+use super::node::Node;
+use crate::discover::gap::Gap;
+use crate::identify::shooting::Fit;
+use crate::identify::track::median;
+
+/// Changes of a model per effect, at the most.
+const CHANGES: usize = 2;
+
+/// The effects that may stand in the place of `kind`: what it may be confused with, in either direction, and its special cases. Where the
+/// model is down to the noise, no second body and no law of which it is a special case: they would only fit that.
+pub(super) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kind> {
+    let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
+    let comes_in = |other: Kind| {
+        let alike = confused(kind, other) || confused(other, kind) || kind.generalises(other) || other.generalises(kind);
+        let idle = (other.second_body() && !kind.second_body()) || other.generalises(kind);
+        other != kind && alike && !(at_the_noise && idle)
+    };
+    Kind::ALL.iter().copied().filter(|other| comes_in(*other)).collect()
+}
+
+impl Search<'_> {
+    /// What may stand in the place of the `j`-th added effect, tried beside the others.
+    pub(super) fn contested(&self, node: &Node, j: usize) -> Option<Arc<Round>> {
+        if let Some(Some(round)) = node.contests.get(j) {
+            return Some(round.clone());
+        }
+        let without = if node.added() == 1 {
+            self.base.fit.clone()
+        } else {
+            let model = node.model().without(self.known + j);
+            model.fit(&self.data.problem(), Some(&node.fit.initial), LAST_ITERATIONS).ok()?
+        };
+        let kinds = confusable(node.kinds()[j], !node.gap.something_left());
+        add(self.data, &without, &kinds, median(node.fit.mse.clone()), self.rotary).map(Arc::new)
+    }
+
+    /// The model with every effect dropped that the others do without, and every one replaced by another that does better, or as
+    /// well with fewer parameters.
+    pub(super) fn improved(&self, mut node: Node, remarks: &mut Vec<String>) -> Node {
+        for _ in 0..CHANGES * node.added() {
+            let Some(changed) = self.changed(&mut node, remarks) else { break };
+            node = changed;
+        }
+        node
+    }
+
+    fn changed(&self, node: &mut Node, remarks: &mut Vec<String>) -> Option<Node> {
+        for j in (0..node.added()).rev() {
+            if self.is_spent() {
+                return None;
+            }
+            let Some(round) = self.contested(node, j) else { continue };
+            node.contests[j] = Some(round.clone());
+            let name = node.kinds()[j].name();
+            let extra = node.fit.free.len().saturating_sub(round.without.free.len());
+            if node.added() > 1 && !better(&gain(&round.data, &round.without, &node.fit), extra) {
+                remarks.push(format!("beside the others, nothing is left of {name}"));
+                return Some(Node::new(self.data, round.without.clone(), self.known));
+            }
+            if let Some((other, how)) = self.exchanged(node, &round, node.kinds()[j]) {
+                let new = other.kinds().last().map_or("", |kind| kind.name());
+                remarks.push(format!("{new} does {how} {name}"));
+                return Some(other);
+            }
+        }
+        None
+    }
+
+    /// The model with another effect of the round in the place of `own`, if one is to be there.
+    fn exchanged(&self, node: &Node, round: &Arc<Round>, own: Kind) -> Option<(Node, &'static str)> {
+        for (index, tried) in round.tried.iter().enumerate().filter(|(_, tried)| tried.kind != own) {
+            let Ok(fit) = &tried.fit else { continue };
+            if self.simpler(round, node, fit) {
+                return Some((Node::of(self.data, round, index, self.known)?, "as well as"));
+            }
+            let extra = fit.free.len().saturating_sub(node.fit.free.len());
+            if better(&gain(&round.data, &node.fit, fit), extra) && Gap::of(self.data, fit).below(&node.gap) {
+                return Some((Node::of(self.data, round, index, self.known)?, "better than"));
+            }
+        }
+        None
+    }
+
+    /// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one.
+    fn simpler(&self, round: &Round, node: &Node, fit: &Fit) -> bool {
+        let key = |fit: &Fit| (has_body(fit), fit.free.len());
+        key(fit) < key(&node.fit) && as_good(&round.data, fit, &node.fit)
+    }
+}

@@ -1,0 +1,188 @@
+//! A beam search over models on the simulated motion. The moves: add an effect, drop one, swap one for another, refine one.
+
+mod add;
+mod compare;
+mod contest;
+mod descend;
+mod end;
+mod halving;
+mod node;
+mod plausible;
+mod refine;
+mod table;
+mod validate;
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use breakaway_core::plant::Kind;
+
+use super::data::Data;
+use super::model::Model;
+use crate::identify::shooting::{Fit, SCORE_ITERATIONS};
+use crate::identify::track::median;
+use crate::recording::Units;
+use add::{Round, add};
+use compare::NAMING;
+use node::Node;
+
+pub(super) use descend::{fit_softly, settled};
+pub(super) use end::{Ended, Tie, rung};
+pub(super) use table::parameters;
+
+/// Models that are kept from one depth to the next.
+const BEAM: usize = 2;
+/// Most effects added in one discovery.
+const MAX_ADDED: usize = 3;
+/// Simulated samples after which a search tries no further effect: a number for a sub-step of a sample, and as many more as its
+/// derivatives take in memory. About ten seconds of a core of 3 GHz.
+const MOST_WORK: u64 = 6_000_000_000;
+/// Iterations of a model to start from.
+const ITERATIONS: usize = 20;
+
+/// What a search knows.
+pub(super) struct Search<'a> {
+    data: &'a Data,
+    units: &'a Units,
+    base: Node,
+    /// Effects of the base that were given.
+    known: usize,
+    /// Whether the position is an angle.
+    rotary: bool,
+    /// The effects beside the base.
+    first: Option<Arc<Round>>,
+    remarks: Vec<String>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(data: &'a Data, units: &'a Units, base: Fit) -> Self {
+        let known = base.candidate.effects.len();
+        let rotary = matches!(units.x.as_str(), "rad" | "x");
+        Self { data, units, base: Node::new(data, base, known), known, rotary, first: None, remarks: Vec::new() }
+    }
+
+    /// Whether as much was simulated as a search may.
+    fn is_spent(&self) -> bool {
+        self.data.work.load(Ordering::Relaxed) > MOST_WORK
+    }
+
+    /// The model that can be named. `start` is one to begin with, beside the base.
+    pub(super) fn run(mut self, start: Option<&Model>, progress: &(dyn Fn(&str) + Sync)) -> Ended {
+        let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
+        let mut visited = beam.clone();
+        if !beam.iter().any(|node| node.explained(&self.base.gap)) {
+            beam.push(self.base.clone());
+        }
+        for depth in 1..=MAX_ADDED {
+            let mut pool: Vec<Node> = Vec::new();
+            for parent in &beam {
+                let at_the_noise = parent.added() > 0 && !parent.gap.something_left();
+                if parent.added() == MAX_ADDED || at_the_noise || (self.is_spent() && depth > 1) {
+                    continue;
+                }
+                progress(&format!("looking for effect {} among {}", parent.added() + 1, Kind::ALL.len()));
+                pool.extend(self.children(parent));
+                if pool.iter().any(|node| node.explained(&self.base.gap)) {
+                    break;
+                }
+            }
+            // What a dropped effect led out of a narrow valley is the model that was there before, and a better fit of it.
+            for node in &pool {
+                if let Some(old) = visited.iter_mut().find(|other| other.same_kinds(node) && node.fit.cost < other.fit.cost) {
+                    *old = node.clone();
+                }
+            }
+            pool.retain(|node| !visited.iter().any(|other| other.same_kinds(node)));
+            beam = self.best(pool);
+            visited.extend(beam.iter().cloned());
+        }
+        eprintln!("WORK {:.3e} rounds {}", self.data.work.load(Ordering::Relaxed) as f64, visited.len());
+        if self.is_spent() {
+            self.remarks.push("the search ended by its bound of simulated samples".to_owned());
+        }
+        self.end(visited, progress)
+    }
+
+    /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
+    fn begun(&mut self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
+        progress("fitting the simulated motion");
+        let problem = self.data.problem();
+        model.fit(&problem, None, SCORE_ITERATIONS).ok()?;
+        let fit = descend::converged(self.data, &model.fit(&problem, None, ITERATIONS).ok()?);
+        plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
+        let fit = refine::refined(self.data, fit, self.rotary);
+        let node = Node::new(self.data, settled(self.data, fit), self.known);
+        let mut remarks = Vec::new();
+        let node = self.improved(node, &mut remarks);
+        (node.added() > 0 && node.gap.below(&self.base.gap)).then(|| {
+            self.remarks.extend(remarks);
+            node
+        })
+    }
+
+    /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
+    /// held-out data may be right, so that both stay in the beam.
+    fn children(&mut self, parent: &Node) -> Vec<Node> {
+        let Some(round) = add(self.data, &parent.fit, Kind::ALL, f64::INFINITY, self.rotary).map(Arc::new) else {
+            return Vec::new();
+        };
+        if parent.added() == 0 {
+            self.first = Some(round.clone());
+        }
+        let mut children: Vec<Node> = Vec::new();
+        let mut refused = None;
+        for index in round.preference() {
+            let Some(node) = self.child(parent, &round, index) else { continue };
+            if parent.gap.refuses(&node.gap).is_none() {
+                let explained = node.explained(&self.base.gap);
+                children.push(node);
+                if explained {
+                    return children;
+                }
+                break;
+            }
+            refused = refused.or(Some(node));
+        }
+        let first = children.first().or(refused.as_ref());
+        let Some(named) = first.and_then(|node| node.kinds().last().copied()) else { return children };
+        let other = round.second(named).and_then(|index| self.child(parent, &round, index));
+        children.extend(other);
+        if children.len() < BEAM {
+            children.extend(refused);
+        }
+        children
+    }
+
+    /// A model of a round, with what was tried in the place of the effects before, improved.
+    fn child(&mut self, parent: &Node, round: &Arc<Round>, index: usize) -> Option<Node> {
+        let node = Node::of(self.data, round, index, self.known)?;
+        if parent.added() == 0 {
+            return Some(node);
+        }
+        let mut remarks = Vec::new();
+        let node = self.improved(node, &mut remarks);
+        self.remarks.extend(remarks);
+        (node.added() > 0).then_some(node)
+    }
+
+    /// The best models of a pool, each of other effects: what is down to the noise first, then by the likelihood less its price.
+    fn best(&self, mut pool: Vec<Node>) -> Vec<Node> {
+        let left = pool.iter().map(|node| median(node.fit.mse.clone())).fold(f64::INFINITY, f64::min);
+        let data = self.data.softened(if left.is_finite() { left } else { 0.0 });
+        let cost = |node: &Node| {
+            let price = NAMING.price * node.fit.free.len() as f64;
+            (!node.explained(&self.base.gap), data.problem().cost_of(&node.fit.mse) + price)
+        };
+        pool.sort_by(|a, b| {
+            let (a, b) = (cost(a), cost(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let mut best: Vec<Node> = Vec::new();
+        for node in pool {
+            if best.len() < BEAM && !best.iter().any(|other| other.same_kinds(&node)) {
+                best.push(node);
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,68 @@
+//! What the recordings do not resolve is not believed, whatever it gains.
+
+use breakaway_core::plant::effect::{ActsIn, Role, Scale, Search};
+use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
+
+use crate::discover::data::Data;
+use crate::discover::screen::stroke;
+use crate::identify::shooting::Candidate;
+
+/// Share of a sample's time below which a delay or a lag of the drive is not believed: the solver's own error is a like share.
+const LEAST_OF_A_SAMPLE: f64 = 0.01;
+/// Share of the inertia below which a second body is not believed.
+const LEAST_BODY: f64 = 0.02;
+/// Damping ratio from which less than a tenth of an oscillation is left after a period: a body that hardly rings is what
+/// a gap's contact looks like.
+const MOST_DAMPING: f64 = 0.35;
+
+/// Whether a parameter of that role has a value that `test` holds for.
+fn any(effect: &Effect<f64>, is: impl Fn(Role) -> bool, test: impl Fn(f64) -> bool) -> bool {
+    let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
+    parameters.into_iter().any(|(parameter, value)| is(parameter.role) && test(*value))
+}
+
+/// Refuses dynamics so fast that what is simulated is the solver's; bristles so long that they never let go, which are a spring whose
+/// rest every segment chooses for itself; bodies so light that only their start, free in every segment, is left of them, or on a
+/// spring that is all damper; and inertia or friction that no drive of the recordings overcomes, beside which only the starts
+/// move anything.
+///
+/// `judged` are the effects whose bristles count: those that took the share of an effect which was missing are too long until it
+/// is there.
+pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>]) -> Result<(), String> {
+    let plant = Plant { base: candidate.base, effects: &candidate.effects };
+    if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {
+        return Err("became faster than the recordings resolve".to_owned());
+    }
+    let sample_s = data.tracks.iter().map(|track| track.ts).fold(0.0, f64::max);
+    let late = |role| matches!(role, Role::Delay | Role::TimeConstant);
+    let brief = |effect: &Effect<f64>| {
+        effect.kind.acts_in() == ActsIn::Drive && any(effect, late, |time_s| time_s < LEAST_OF_A_SAMPLE * sample_s)
+    };
+    if candidate.effects.iter().any(brief) {
+        return Err("became shorter than the recordings' time stamps tell".to_owned());
+    }
+    let (base, largest) = (candidate.base, data.problem().largest_base());
+    if base.b >= largest.b || base.c >= largest.c || base.f1 >= largest.f1 {
+        return Err("its inertia or friction became larger than any drive of the recordings moves".to_owned());
+    }
+    let softest = candidate.base.f1 / stroke(data);
+    let soft = |effect: &Effect<f64>| {
+        let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
+        effect.kind.bristles()
+            && parameters.into_iter().any(|(parameter, value)| {
+                matches!(parameter.search, Search::Grid(Scale::Presliding, _)) && *value < softest
+            })
+    };
+    if judged.iter().any(soft) {
+        return Err("its bristles became longer than the motion".to_owned());
+    }
+    let share = |role| role == Role::InertiaShare;
+    if candidate.effects.iter().any(|effect| any(effect, share, |share| share < LEAST_BODY)) {
+        return Err(format!("its body became lighter than {:.0} % of the inertia", 100.0 * LEAST_BODY));
+    }
+    let damping = |role| role == Role::DampingRatio;
+    if candidate.effects.iter().any(|effect| any(effect, damping, |ratio| ratio > MOST_DAMPING)) {
+        return Err("its body hardly rings: what gives may be a gap's contact".to_owned());
+    }
+    Ok(())
+}
