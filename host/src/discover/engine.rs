@@ -148,7 +148,7 @@ fn comes_near(small: &Discovery, by_force: &Discovery) -> bool {
 }
 
 /// Radians in a position unit; `None` where the position is no angle.
-fn radians(units: &Units) -> Option<f64> {
+pub(super) fn radians(units: &Units) -> Option<f64> {
     matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
 }
 

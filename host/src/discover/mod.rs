@@ -13,4 +13,5 @@ pub mod screen;
 mod search;
 mod small_effects;
 mod spectrum;
+mod thinned;
 pub mod where_map;

@@ -8,7 +8,8 @@ use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::{Discovery, Verdict};
 use super::search::Search;
-use crate::recording::Units;
+use super::thinned::thinned;
+use crate::recording::{Recording, Units};
 
 /// What the simulation says.
 ///
@@ -22,6 +23,9 @@ pub(super) fn found(
     ruling: Option<&Ruling>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
+    let thin = |all: &[Recording]| all.iter().map(thinned).collect();
+    let request =
+        &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
     let mut found = within(request, units, FIT_SEGMENT_S, ruling, progress)?;
     if found.verdict == Verdict::Unknown {
         progress("looking again over shorter segments");

@@ -24,8 +24,9 @@ const FINAL_FLOOR: f64 = 1.0;
 const FINALISTS: usize = 6;
 const CLOSE: f64 = 0.7;
 const COSTLY: f64 = 0.25;
-/// Share of the best gain from which an effect is refined.
+/// Share of the best gain from which an effect is refined, and from which it is iterated to the end before.
 const COMPETITIVE: f64 = 0.4;
+const CONTENDING: f64 = 0.7;
 /// Share of what is left above the noise that a law takes which closes it.
 const MOST_OF_IT: f64 = 0.5;
 /// Effects with enough evidence that are considered.
@@ -166,10 +167,8 @@ fn refine(data: &Data, without: &Fit, tried: &mut [Tried], rotary: bool) {
     };
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit {
-            // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
-            let hidden = t.kind.threshold() && !t.kind.remembers();
-            if !idle(t.kind, fit) && (share(fit) > COMPETITIVE || hidden) {
-                *fit = refined(data, fit.clone(), rotary);
+            if !idle(t.kind, fit) && (share(fit) > COMPETITIVE || t.kind.threshold()) {
+                *fit = refined(data, fit.clone(), share(fit) > CONTENDING, rotary);
             }
         }
     });

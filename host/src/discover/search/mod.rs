@@ -10,6 +10,8 @@ mod node;
 mod plausible;
 mod refine;
 mod table;
+#[cfg(test)]
+mod tests;
 mod validate;
 
 use std::sync::Arc;
@@ -18,6 +20,7 @@ use std::sync::atomic::Ordering;
 use breakaway_core::plant::Kind;
 
 use super::data::Data;
+use super::engine::radians;
 use super::model::Model;
 use crate::identify::shooting::{Fit, SCORE_ITERATIONS};
 use crate::identify::track::median;
@@ -34,9 +37,9 @@ pub(super) use table::parameters;
 const BEAM: usize = 2;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
-/// Simulated samples after which a search tries no further effect: a number for a sub-step of a sample, and as many more as its
-/// derivatives take in memory. About ten seconds of a core of 3 GHz.
-const MOST_WORK: u64 = 6_000_000_000;
+/// Simulated numbers after which a search tries no further effect. A sample counts one for each sub-step, and as many more as its
+/// derivatives take in memory. They take about 15 s of a core; a round of all effects takes as many at the most.
+const MOST_WORK: u64 = 250_000_000;
 /// Iterations of a model to start from.
 const ITERATIONS: usize = 20;
 
@@ -57,7 +60,7 @@ pub(super) struct Search<'a> {
 impl<'a> Search<'a> {
     pub(super) fn new(data: &'a Data, units: &'a Units, base: Fit) -> Self {
         let known = base.candidate.effects.len();
-        let rotary = matches!(units.x.as_str(), "rad" | "x");
+        let rotary = radians(units).is_some();
         Self { data, units, base: Node::new(data, base, known), known, rotary, first: None, remarks: Vec::new() }
     }
 
@@ -110,7 +113,7 @@ impl<'a> Search<'a> {
         model.fit(&problem, None, SCORE_ITERATIONS).ok()?;
         let fit = descend::converged(self.data, &model.fit(&problem, None, ITERATIONS).ok()?);
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
-        let fit = refine::refined(self.data, fit, self.rotary);
+        let fit = refine::refined(self.data, fit, true, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
         let mut remarks = Vec::new();
         let node = self.improved(node, &mut remarks);

@@ -22,13 +22,15 @@ const STEPS: usize = 4;
 const STEP_ITERATIONS: usize = 2;
 const WORTH_A_STEP: f64 = 0.5;
 
-/// The last effect refined.
-pub(super) fn refined(data: &Data, fit: Fit, rotary: bool) -> Fit {
+/// The last effect refined; that of a `contender` from the end of the fit, and along its thresholds.
+pub(super) fn refined(data: &Data, fit: Fit, contender: bool, rotary: bool) -> Fit {
     let problem = data.problem();
     let last = fit.candidate.effects.len() - 1;
-    let fit = with_form(&problem, converged(data, &fit), last);
+    let fit = with_form(&problem, if contender { converged(data, &fit) } else { fit }, last);
     let fit = if rotary { in_whole_waves(data, fit, last) } else { fit };
-    if fit.candidate.effects[last].kind.threshold() { along_thresholds(&problem, fit, last) } else { fit }
+    // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
+    let kind = fit.candidate.effects[last].kind;
+    if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
 }
 
 /// The refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are kept only

@@ -20,7 +20,10 @@ impl Search<'_> {
             let round = self.contested(node, j)?;
             node.contests[j] = Some(round.clone());
             let before = if node.added() == 1 { self.base.gap } else { Gap::of(self.data, &round.without) };
-            let further = || !before.only_outliers() && names_further(&round.data, &round.without, &node.fit);
+            // What real impacts leave of idealised ones looks like many an effect.
+            let impacts = node.kinds().iter().enumerate().any(|(i, kind)| i != j && kind.gap().is_some());
+            let further =
+                || !impacts && !before.only_outliers() && names_further(&round.data, &round.without, &node.fit);
             let reason = if let Some(reason) = before.refuses(&node.gap) {
                 reason
             } else if node.kinds()[j].second_body() && !before.followed_by_bodies(&node.gap) {
