@@ -70,7 +70,18 @@ impl Data {
         let ahead = shooting::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
         let ahead = sampled(ahead.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
-        Self { tracks: tracks.into(), fit, score, open_loop, ahead, segment_s, sigma, available, softening: 0.0, work: Arc::default() }
+        Self {
+            tracks: tracks.into(),
+            fit,
+            score,
+            open_loop,
+            ahead,
+            segment_s,
+            sigma,
+            available,
+            softening: 0.0,
+            work: Arc::default(),
+        }
     }
 
     /// The same data, judged with `softening` in place of the noise where that is larger.

@@ -192,8 +192,7 @@ pub(super) fn prepared(
     }
     let (start, remarks) = starting_model(request, ruling)?;
     progress("fitting the base model");
-    let base =
-        fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
+    let base = fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
     Ok(Prepared { data, base, remarks })
 }
 

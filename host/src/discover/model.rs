@@ -172,7 +172,16 @@ mod tests {
     fn fit_of(model: &Model) -> Fit {
         let (candidate, free) = (model.candidate(), model.free());
         let none = Vec::new;
-        Fit { candidate, free, floor: 1.0, mse: none(), samples: none(), initial: Vec::new(), cost: 0.0, converged: true }
+        Fit {
+            candidate,
+            free,
+            floor: 1.0,
+            mse: none(),
+            samples: none(),
+            initial: Vec::new(),
+            cost: 0.0,
+            converged: true,
+        }
     }
 
     /// Cogging of 7.02 waves: seven, held, also in the model of its fit and beside another effect.

@@ -92,7 +92,8 @@ fn difference(a: &Candidate, b: &Candidate, experiment: &Experiment, units: &Uni
         sigma: tracks[0].sigma.max(1e-12),
         warm_up_s: 0.3,
         softening: 0.0,
-        coarse: false, work: None,
+        coarse: false,
+        work: None,
     };
     let own = problem.score(a);
     let other = problem.score(b);

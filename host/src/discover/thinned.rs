@@ -18,8 +18,7 @@ pub(super) fn thinned(recording: &Recording) -> Recording {
         return recording.clone();
     }
     let each = each as usize;
-    let mut own =
-        Recording { t: Vec::new(), u: Vec::new(), x: Vec::new(), gaps: Vec::new(), ..recording.clone() };
+    let mut own = Recording { t: Vec::new(), u: Vec::new(), x: Vec::new(), gaps: Vec::new(), ..recording.clone() };
     for piece in recording.pieces() {
         if piece.start > 0 {
             own.gaps.push(own.t.len());

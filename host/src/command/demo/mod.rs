@@ -250,7 +250,8 @@ fn cycle(
     let range = settled..settled + len;
 
     let segments = [Segment { track: index, start: settled, len }];
-    let problem = Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
+    let problem =
+        Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
     let candidate = Candidate { base, effects: Vec::<Effect<f64>>::new() };
     let initial =
         problem.fit(&candidate, &[], None, 6).context("the simulation does not follow the recording")?.initial;

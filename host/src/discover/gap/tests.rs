@@ -48,7 +48,8 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
         segment_s: SEGMENT as f64 * TS,
         sigma: SIGMA,
         available: n / segment,
-        softening: 0.0, work: Arc::default(),
+        softening: 0.0,
+        work: std::sync::Arc::default(),
     };
     let candidate = Candidate { base: Base { b: 1.0, c: 1.0, f1: 1e3 }, effects: Vec::new() };
     let (free, initial) = (Vec::new(), Vec::new());

@@ -75,7 +75,8 @@ pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], reached: f64, rota
     let screen = Screen::of_all_widths(data, &current.candidate)?;
     let softened = data.softened(PART_FLOOR * median(current.mse.clone()));
     let halving = Halving::new(&softened, current, rotary);
-    let first = over_part(&halving, &softened, &screen, kinds, |kind| excluded(kind, &current.candidate.effects, rotary));
+    let first =
+        over_part(&halving, &softened, &screen, kinds, |kind| excluded(kind, &current.candidate.effects, rotary));
     let own = |fit: &Fit| halving.current.cost - fit.cost;
     let mut gains: Vec<(usize, f64)> =
         first.iter().enumerate().filter_map(|(i, t)| Some((i, own(t.fit.as_ref().ok()?)))).collect();

@@ -1,5 +1,6 @@
 //! Drop and swap: each effect of a model is compared with nothing and with what it may be confused with, beside the others.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use breakaway_core::plant::Kind;
@@ -21,7 +22,8 @@ const CHANGES: usize = 2;
 pub(super) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kind> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
     let comes_in = |other: Kind| {
-        let alike = confused(kind, other) || confused(other, kind) || kind.generalises(other) || other.generalises(kind);
+        let alike =
+            confused(kind, other) || confused(other, kind) || kind.generalises(other) || other.generalises(kind);
         let idle = (other.second_body() && !kind.second_body()) || other.generalises(kind);
         other != kind && alike && !(at_the_noise && idle)
     };
@@ -46,15 +48,15 @@ impl Search<'_> {
 
     /// The model with every effect dropped that the others do without, and every one replaced by another that does better, or as
     /// well with fewer parameters.
-    pub(super) fn improved(&self, mut node: Node, remarks: &mut Vec<String>) -> Node {
+    pub(super) fn improved(&self, mut node: Node) -> Node {
         for _ in 0..CHANGES * node.added() {
-            let Some(changed) = self.changed(&mut node, remarks) else { break };
+            let Some(changed) = self.changed(&mut node) else { break };
             node = changed;
         }
         node
     }
 
-    fn changed(&self, node: &mut Node, remarks: &mut Vec<String>) -> Option<Node> {
+    fn changed(&self, node: &mut Node) -> Option<Node> {
         for j in (0..node.added()).rev() {
             if self.is_spent() {
                 return None;
@@ -64,13 +66,13 @@ impl Search<'_> {
             let name = node.kinds()[j].name();
             let extra = node.fit.free.len().saturating_sub(round.without.free.len());
             if node.added() > 1 && !better(&gain(&round.data, &round.without, &node.fit), extra) {
-                remarks.push(format!("beside the others, nothing is left of {name}"));
-                return Some(Node::new(self.data, round.without.clone(), self.known));
+                let rest = Node::new(self.data, round.without.clone(), self.known);
+                return Some(rest.after(node, format!("beside the others, nothing is left of {name}")));
             }
             if let Some((other, how)) = self.exchanged(node, &round, node.kinds()[j]) {
                 let new = other.kinds().last().map_or("", |kind| kind.name());
-                remarks.push(format!("{new} does {how} {name}"));
-                return Some(other);
+                let remark = format!("{new} does {how} {name}");
+                return Some(other.after(node, remark));
             }
         }
         None
@@ -91,9 +93,14 @@ impl Search<'_> {
         None
     }
 
-    /// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one.
+    /// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one; or as many, and is the
+    /// more likely.
     fn simpler(&self, round: &Round, node: &Node, fit: &Fit) -> bool {
         let key = |fit: &Fit| (has_body(fit), fit.free.len());
-        key(fit) < key(&node.fit) && as_good(&round.data, fit, &node.fit)
+        match key(fit).cmp(&key(&node.fit)) {
+            Ordering::Less => as_good(&round.data, fit, &node.fit),
+            Ordering::Equal => gain(&round.data, &node.fit, fit).lambda > 0.0,
+            Ordering::Greater => false,
+        }
     }
 }

@@ -2,10 +2,10 @@
 
 use breakaway_core::plant::Kind;
 
+use super::Search;
 use super::descend::LAST_ITERATIONS;
 use super::node::Node;
 use super::table::{nearest, parameters, rivals, table};
-use super::Search;
 use crate::discover::data::Data;
 use crate::discover::gap::{Gap, open_loop_squares, root_mean};
 use crate::discover::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
@@ -38,6 +38,7 @@ impl Search<'_> {
     pub(super) fn end(mut self, visited: Vec<Node>, progress: &(dyn Fn(&str) + Sync)) -> Ended {
         progress("checking the model on held-out data");
         let node = self.chosen(visited);
+        self.remarks.extend(node.remarks.iter().cloned());
         let kinds = node.kinds();
         let errors = self.data.problem().covariance(&node.fit);
         let mut tie = None;
@@ -51,7 +52,10 @@ impl Search<'_> {
         let ladder = self.ladder(&node);
         let first = self.first.as_deref();
         let (first_round, closest) = first.map_or_else(Default::default, |round| {
-            (table(round, kinds.first().copied(), named.first().map_or(&[], |own| &own.rivals)), nearest(round, self.units))
+            (
+                table(round, kinds.first().copied(), named.first().map_or(&[], |own| &own.rivals)),
+                nearest(round, self.units),
+            )
         });
         Ended {
             verdict: match (named.is_empty(), self.base.gap.real(), node.explained(&self.base.gap)) {

@@ -54,8 +54,7 @@ impl<'a> Halving<'a> {
         let initial: Vec<Start> = part.iter().map(|i| current.initial[*i]).collect();
         let model = Model::of(current);
         // Gains count from the current model's own best on these segments, or they would all be offset.
-        let current =
-            model.fit(&data.over(&segments), Some(&initial), LAST).unwrap_or_else(|_| current.clone());
+        let current = model.fit(&data.over(&segments), Some(&initial), LAST).unwrap_or_else(|_| current.clone());
         let mut worst: Vec<usize> = (0..segments.len()).collect();
         worst.sort_by(|a, b| current.mse[*b].total_cmp(&current.mse[*a]));
         let even = segments.len().div_ceil(FEW / 2).max(1);

@@ -91,7 +91,9 @@ impl<'a> Search<'a> {
             }
             // What a dropped effect led out of a narrow valley is the model that was there before, and a better fit of it.
             for node in &pool {
-                if let Some(old) = visited.iter_mut().find(|other| other.same_kinds(node) && node.fit.cost < other.fit.cost) {
+                if let Some(old) =
+                    visited.iter_mut().find(|other| other.same_kinds(node) && node.fit.cost < other.fit.cost)
+                {
                     *old = node.clone();
                 }
             }
@@ -99,7 +101,6 @@ impl<'a> Search<'a> {
             beam = self.best(pool);
             visited.extend(beam.iter().cloned());
         }
-        eprintln!("WORK {:.3e} rounds {}", self.data.work.load(Ordering::Relaxed) as f64, visited.len());
         if self.is_spent() {
             self.remarks.push("the search ended by its bound of simulated samples".to_owned());
         }
@@ -107,7 +108,7 @@ impl<'a> Search<'a> {
     }
 
     /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
-    fn begun(&mut self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
+    fn begun(&self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
         progress("fitting the simulated motion");
         let problem = self.data.problem();
         model.fit(&problem, None, SCORE_ITERATIONS).ok()?;
@@ -115,12 +116,8 @@ impl<'a> Search<'a> {
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
         let fit = refine::refined(self.data, fit, true, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
-        let mut remarks = Vec::new();
-        let node = self.improved(node, &mut remarks);
-        (node.added() > 0 && node.gap.below(&self.base.gap)).then(|| {
-            self.remarks.extend(remarks);
-            node
-        })
+        let node = self.improved(node);
+        (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)
     }
 
     /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
@@ -157,14 +154,12 @@ impl<'a> Search<'a> {
     }
 
     /// A model of a round, with what was tried in the place of the effects before, improved.
-    fn child(&mut self, parent: &Node, round: &Arc<Round>, index: usize) -> Option<Node> {
+    fn child(&self, parent: &Node, round: &Arc<Round>, index: usize) -> Option<Node> {
         let node = Node::of(self.data, round, index, self.known)?;
         if parent.added() == 0 {
             return Some(node);
         }
-        let mut remarks = Vec::new();
-        let node = self.improved(node, &mut remarks);
-        self.remarks.extend(remarks);
+        let node = self.improved(node);
         (node.added() > 0).then_some(node)
     }
 

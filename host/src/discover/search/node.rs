@@ -19,13 +19,15 @@ pub(super) struct Node {
     pub gap: Gap,
     /// What was tried in the place of every effect beside the others; `None` where that is not known yet.
     pub contests: Vec<Option<Arc<Round>>>,
+    /// What was dropped from it and exchanged in it.
+    pub remarks: Vec<String>,
 }
 
 impl Node {
     /// A model whose effects were not compared with others yet; the first `known` never are.
     pub(super) fn new(data: &Data, fit: Fit, known: usize) -> Self {
         let contests = vec![None; fit.candidate.effects.len() - known];
-        Self { gap: Gap::of(data, &fit), fit, contests }
+        Self { gap: Gap::of(data, &fit), fit, contests, remarks: Vec::new() }
     }
 
     /// The model of a round with its effect `index`, carried to its end. Where it leaves something, its levels are sought.
@@ -42,6 +44,13 @@ impl Node {
             *last = Some(round.clone());
         }
         Some(node)
+    }
+
+    /// The node that comes of `old`, and why.
+    pub(super) fn after(mut self, old: &Self, remark: String) -> Self {
+        self.remarks.clone_from(&old.remarks);
+        self.remarks.push(remark);
+        self
     }
 
     pub(super) fn model(&self) -> Model {

@@ -52,7 +52,8 @@ impl Search<'_> {
         while !nodes.is_empty() {
             let key = |node: &Node| (!node.explained(&base), if node.explained(&base) { node.added() } else { 0 });
             let order = |a: &Node, b: &Node| {
-                let typical = || if a.gap.below(&b.gap) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater };
+                let typical =
+                    || if a.gap.below(&b.gap) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater };
                 key(a).cmp(&key(b)).then_with(typical)
             };
             let Some(best) = (0..nodes.len()).min_by(|a, b| order(&nodes[*a], &nodes[*b])) else { break };

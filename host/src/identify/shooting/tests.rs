@@ -40,7 +40,8 @@ fn fitted(tracks: &[Track], sigma: f64) -> (Fit, Covariance) {
         base: Base { b: 1.2 * BASE.b, c: 0.8 * BASE.c, f1: 1.2 * BASE.f1 },
         effects: vec![Effect::new(Kind::ConstantLoad, &[0.8 * LOAD])],
     };
-    let problem = Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
+    let problem =
+        Problem { tracks, segments: &segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
     let fit = problem.fit(&start, &Free::all(&start.effects), None, 30).unwrap();
     let errors = problem.covariance(&fit);
     (fit, errors)
@@ -85,8 +86,15 @@ fn standard_errors_are_those_of_the_scatter() {
 fn refusals() {
     let tracks = tracks(0.5, 0.0, 1);
     let candidate = Candidate { base: BASE, effects: vec![] };
-    let problem =
-        Problem { tracks: &tracks, segments: &[], sigma: 1e-3, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
+    let problem = Problem {
+        tracks: &tracks,
+        segments: &[],
+        sigma: 1e-3,
+        warm_up_s: 0.0,
+        softening: 0.0,
+        coarse: false,
+        work: None,
+    };
     assert_eq!(problem.fit(&candidate, &Free::all(&[]), None, 5).unwrap_err(), FitError::NoSegment);
     let segments = segments(&tracks, 0.2);
     let problem = Problem { segments: &segments, ..problem };
@@ -134,7 +142,8 @@ fn a_start_that_all_but_rests_is_found() {
             sigma: SIGMA,
             warm_up_s: 0.0,
             softening: 0.0,
-            coarse: false, work: None,
+            coarse: false,
+            work: None,
         };
         let mse = problem.score(&Candidate { base: BASE, effects: Vec::new() })[0];
         assert!(mse < 1.42 * SIGMA * SIGMA, "seed {seed}: {}", mse / (SIGMA * SIGMA));
@@ -160,8 +169,15 @@ fn a_load_lost_among_impacts_is_found() {
     let recording = Axis::new(BASE, &effects, Units::default()).run(&experiment).unwrap().recording;
     let tracks = track::session(&[recording]);
     let segments = segments(&tracks, 0.4);
-    let problem =
-        Problem { tracks: &tracks, segments: &segments, sigma: SIGMA, warm_up_s: 0.3, softening: 0.0, coarse: false, work: None };
+    let problem = Problem {
+        tracks: &tracks,
+        segments: &segments,
+        sigma: SIGMA,
+        warm_up_s: 0.3,
+        softening: 0.0,
+        coarse: false,
+        work: None,
+    };
     let truth = Candidate { base: BASE, effects: effects.to_vec() };
     let said: Vec<f64> = segments
         .iter()
@@ -182,8 +198,15 @@ fn the_largest_base_is_three_times_what_the_drive_moves() {
     let t: Vec<f64> = (0..20_000).map(|k| f64::from(k) * 1e-3).collect();
     let wave = |size: f64| t.iter().map(|t| size * (omega * t).sin()).collect();
     let tracks = [Track::new(&Recording { u: wave(drive), x: wave(amplitude), t: t.clone(), ..Recording::default() })];
-    let problem =
-        Problem { tracks: &tracks, segments: &[], sigma: SIGMA, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None };
+    let problem = Problem {
+        tracks: &tracks,
+        segments: &[],
+        sigma: SIGMA,
+        warm_up_s: 0.0,
+        softening: 0.0,
+        coarse: false,
+        work: None,
+    };
     let speed = amplitude * omega / 2.0_f64.sqrt();
     let acceleration = speed * (0.05 * omega).sin() / 0.05;
     let Base { b, c, f1 } = problem.largest_base();
