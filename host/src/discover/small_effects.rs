@@ -69,7 +69,9 @@ fn judged(start: &Prepared, ruling: &Ruling) -> Model {
     for finding in &ruling.findings {
         model = model.with(finding.effect);
         let j = model.effects.len() - 1;
-        finding.held.iter().for_each(|i| model.hold(j, *i));
+        for i in &finding.held {
+            model.hold(j, *i);
+        }
     }
     model.on(ruling.base)
 }

@@ -167,10 +167,11 @@ fn refine(data: &Data, without: &Fit, tried: &mut [Tried], rotary: bool) {
         simplest.is_some_and(|(enough, simplest)| fit.free.len() > enough && !look_alike(simplest, kind))
     };
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
-        if let Ok(fit) = &mut t.fit {
-            if !idle(t.kind, fit) && (share(fit) > COMPETITIVE || t.kind.threshold()) {
-                *fit = refined(data, fit.clone(), share(fit) > CONTENDING, rotary);
-            }
+        if let Ok(fit) = &mut t.fit
+            && !idle(t.kind, fit)
+            && (share(fit) > COMPETITIVE || t.kind.threshold())
+        {
+            *fit = refined(data, fit.clone(), share(fit) > CONTENDING, rotary);
         }
     });
 }

@@ -58,9 +58,6 @@ impl Search<'_> {
 
     fn changed(&self, node: &mut Node) -> Option<Node> {
         for j in (0..node.added()).rev() {
-            if self.is_spent() {
-                return None;
-            }
             let Some(round) = self.contested(node, j) else { continue };
             node.contests[j] = Some(round.clone());
             let name = node.kinds()[j].name();
@@ -82,7 +79,7 @@ impl Search<'_> {
     fn exchanged(&self, node: &Node, round: &Arc<Round>, own: Kind) -> Option<(Node, &'static str)> {
         for (index, tried) in round.tried.iter().enumerate().filter(|(_, tried)| tried.kind != own) {
             let Ok(fit) = &tried.fit else { continue };
-            if self.simpler(round, node, fit) {
+            if simpler(round, node, fit) {
                 return Some((Node::of(self.data, round, index, self.known)?, "as well as"));
             }
             let extra = fit.free.len().saturating_sub(node.fit.free.len());
@@ -92,15 +89,15 @@ impl Search<'_> {
         }
         None
     }
+}
 
-    /// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one; or as many, and is the
-    /// more likely.
-    fn simpler(&self, round: &Round, node: &Node, fit: &Fit) -> bool {
-        let key = |fit: &Fit| (has_body(fit), fit.free.len());
-        match key(fit).cmp(&key(&node.fit)) {
-            Ordering::Less => as_good(&round.data, fit, &node.fit),
-            Ordering::Equal => gain(&round.data, &node.fit, fit).lambda > 0.0,
-            Ordering::Greater => false,
-        }
+/// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one; or as many, and is the more
+/// likely.
+fn simpler(round: &Round, node: &Node, fit: &Fit) -> bool {
+    let key = |fit: &Fit| (has_body(fit), fit.free.len());
+    match key(fit).cmp(&key(&node.fit)) {
+        Ordering::Less => as_good(&round.data, fit, &node.fit),
+        Ordering::Equal => gain(&round.data, &node.fit, fit).lambda > 0.0,
+        Ordering::Greater => false,
     }
 }

@@ -1,5 +1,7 @@
 //! Fits carried to their end.
 
+use breakaway_core::plant::Effect;
+
 use crate::discover::data::Data;
 use crate::discover::model::Model;
 use crate::identify::shooting::{Candidate, Fit, FitError, Problem, Start};
@@ -18,12 +20,16 @@ const FINE_ITERATIONS: usize = 3;
 const RESTARTS: usize = 2;
 const WORTH_A_RESTART: f64 = 20.0;
 
+/// Whether the effects take many sub-steps of a sample: most of the way is gone with half of them.
+pub(super) fn is_slow(effects: &[Effect<f64>]) -> bool {
+    effects.iter().any(|effect| effect.kind.bristles() || effect.kind.sub_steps() > 1)
+}
+
 /// From the fit over a part of the segments to all of them.
 pub(super) fn over_all(data: &Data, start: &Fit) -> Result<Fit, String> {
     let problem = data.problem();
     let model = Model::of(start);
-    // Bristles take many sub-steps: most of the way with half of them.
-    let slow = model.effects.iter().any(|effect| effect.kind.bristles());
+    let slow = is_slow(&model.effects);
     let first = Problem { coarse: slow, ..problem };
     let mut fits = vec![model.fit(&first, None, FINAL_ITERATIONS)];
     // Where the part was all of them, as it is of short ones, its starts are worth as much as the smoothed motion.

@@ -5,7 +5,7 @@ use breakaway_core::plant::effect::{Role, Search};
 use breakaway_core::plant::{Base, Effect, Kind};
 use rayon::prelude::*;
 
-use super::descend::FINAL_ITERATIONS;
+use super::descend::{FINAL_ITERATIONS, is_slow};
 use crate::discover::data::{Data, FIT_SEGMENT_S};
 use crate::discover::model::Model;
 use crate::discover::screen::{Screen, Start as Point};
@@ -67,7 +67,7 @@ impl<'a> Halving<'a> {
 
     /// The best start of an effect, fitted over the part, or why there is none.
     pub(super) fn best(&self, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
-        let part = Problem { coarse: kind.bristles(), ..self.data.over(&self.part) };
+        let part = Problem { coarse: self.is_coarse(kind), ..self.data.over(&self.part) };
         let starts = self.chosen(kind, screen.starts(kind));
         let none = || "the weak form gives no starting value".to_owned();
         if kind.definition().periodic() && self.data.segment_s < FIT_SEGMENT_S {
@@ -83,6 +83,11 @@ impl<'a> Halving<'a> {
         least(self.over(&part, std::slice::from_ref(&best), LAST)).ok_or_else(none)
     }
 
+    /// Whether half the sub-steps do, to compare starts.
+    fn is_coarse(&self, kind: Kind) -> bool {
+        kind.bristles() || kind.sub_steps() > 1 || is_slow(&self.model.effects)
+    }
+
     /// Fits go on over the part.
     fn over(&self, part: &Problem<'_>, fits: &[Fit], iterations: usize) -> Vec<Fit> {
         let fits = fits.par_iter().with_max_len(1).filter_map(|fit| {
@@ -95,7 +100,7 @@ impl<'a> Halving<'a> {
 
     /// The first rung: every start over the few, its frequency held.
     fn over_few(&self, kind: Kind, starts: Vec<Point>) -> Result<Vec<Fit>, String> {
-        let few = Problem { coarse: kind.bristles(), ..self.data.over(&self.few) };
+        let few = Problem { coarse: self.is_coarse(kind), ..self.data.over(&self.few) };
         let mut reason = "the weak form gives no starting value".to_owned();
         let mut fits = Vec::new();
         for start in starts {

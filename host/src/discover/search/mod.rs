@@ -22,7 +22,7 @@ use breakaway_core::plant::Kind;
 use super::data::Data;
 use super::engine::radians;
 use super::model::Model;
-use crate::identify::shooting::{Fit, SCORE_ITERATIONS};
+use crate::identify::shooting::Fit;
 use crate::identify::track::median;
 use crate::recording::Units;
 use add::{Round, add};
@@ -76,24 +76,12 @@ impl<'a> Search<'a> {
         if !beam.iter().any(|node| node.explained(&self.base.gap)) {
             beam.push(self.base.clone());
         }
-        for depth in 1..=MAX_ADDED {
-            let mut pool: Vec<Node> = Vec::new();
-            for parent in &beam {
-                let at_the_noise = parent.added() > 0 && !parent.gap.something_left();
-                if parent.added() == MAX_ADDED || at_the_noise || (self.is_spent() && depth > 1) {
-                    continue;
-                }
-                progress(&format!("looking for effect {} among {}", parent.added() + 1, Kind::ALL.len()));
-                pool.extend(self.children(parent));
-                if pool.iter().any(|node| node.explained(&self.base.gap)) {
-                    break;
-                }
-            }
+        for _ in 0..MAX_ADDED {
+            let mut pool = self.grown(&beam, progress);
             // What a dropped effect led out of a narrow valley is the model that was there before, and a better fit of it.
             for node in &pool {
-                if let Some(old) =
-                    visited.iter_mut().find(|other| other.same_kinds(node) && node.fit.cost < other.fit.cost)
-                {
+                let old = visited.iter_mut().find(|old| old.same_kinds(node) && node.fit.cost < old.fit.cost);
+                if let Some(old) = old {
                     *old = node.clone();
                 }
             }
@@ -101,20 +89,39 @@ impl<'a> Search<'a> {
             beam = self.best(pool);
             visited.extend(beam.iter().cloned());
         }
-        if self.is_spent() {
-            self.remarks.push("the search ended by its bound of simulated samples".to_owned());
-        }
         self.end(visited, progress)
+    }
+
+    /// All that grows out of the beam; no more than comes of its first model where that explains the recordings. The base is always
+    /// looked at, another only within the bound of work.
+    fn grown(&mut self, beam: &[Node], progress: &(dyn Fn(&str) + Sync)) -> Vec<Node> {
+        let mut pool: Vec<Node> = Vec::new();
+        for parent in beam {
+            let at_the_noise = parent.added() > 0 && !parent.gap.something_left();
+            if parent.added() == MAX_ADDED || at_the_noise {
+                continue;
+            }
+            if parent.added() > 0 && self.is_spent() {
+                let remark = "beside what was found no further effect was sought: the search is at its bound of work";
+                self.remarks.push(remark.to_owned());
+                break;
+            }
+            progress(&format!("looking for effect {} among {}", parent.added() + 1, Kind::ALL.len()));
+            pool.extend(self.children(parent));
+            if pool.iter().any(|node| node.explained(&self.base.gap)) {
+                break;
+            }
+        }
+        pool
     }
 
     /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
     fn begun(&self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
         progress("fitting the simulated motion");
         let problem = self.data.problem();
-        model.fit(&problem, None, SCORE_ITERATIONS).ok()?;
         let fit = descend::converged(self.data, &model.fit(&problem, None, ITERATIONS).ok()?);
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
-        let fit = refine::refined(self.data, fit, true, self.rotary);
+        let fit = refine::refined(self.data, fit, false, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
         let node = self.improved(node);
         (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)

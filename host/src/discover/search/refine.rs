@@ -53,7 +53,9 @@ fn with_form(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
             if let Some(second) = refinements.get(1) {
                 p[*second] = *phase;
             }
-            refinements.iter().for_each(|i| model.refine(j, *i));
+            for i in &refinements {
+                model.refine(j, *i);
+            }
             model.fit(problem, Some(&best.initial), FINAL_ITERATIONS).ok()
         })
         .filter(|fit| fit.cost < best.cost - price)
