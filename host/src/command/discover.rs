@@ -18,6 +18,7 @@ pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
 use crate::model::{BaseSe, EffectEntry, Model};
+use crate::recording::Recording;
 use crate::report::{discovery, json};
 
 /// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
@@ -108,9 +109,14 @@ impl Args {
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
-    let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
     fit.is_apart_from(&score)?;
-    let model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let mut model = inputs.model.as_deref().map(Model::read).transpose()?;
+    if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
+        model.in_radians(radians);
+    }
+    let converted = fit.in_radians();
+    score.in_radians();
     let request = Request {
         recordings: fit.recordings,
         holdout: score.recordings,
@@ -120,6 +126,9 @@ pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) +
     let first = inputs.fit.first().map(|path| path.display().to_string()).unwrap_or_default();
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
+    found.remarks.extend(converted.map(|unit| {
+        format!("the position was converted from {unit} to rad, because gravity and eccentricity are laws of an angle in rad")
+    }));
     Ok(found)
 }
 

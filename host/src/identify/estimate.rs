@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cycles;
 use super::shooting::{self, Candidate, Fit, Free, Problem};
+use super::slow_log;
 use super::swapped;
 use super::track::{self, Track, median};
 use super::weak::{self, WeakFit, Window};
@@ -148,6 +149,16 @@ pub enum IdentifyError {
 /// # Errors
 /// [`IdentifyError`] says what is missing and which experiment would supply it.
 pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+    let mut identified = assuming_held(recordings)?;
+    if slow_log::is_slow(recordings) {
+        identified = slow_log::with_unknown_drive(identified, recordings);
+    }
+    identified.load = significant_load(&identified.best);
+    Ok(identified)
+}
+
+/// Identifies with the drive held from row to row.
+pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     if recordings.is_empty() {
         return Err(IdentifyError::Nothing);
     }
@@ -211,17 +222,14 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         let advice = "the axis accelerates too little: record faster reversals, such as a relay experiment";
         return Err(IdentifyError::Undetermined { parameter: "b", advice });
     }
-    let load = best.load.filter(|load| {
-        load.value.abs() > LOAD_SIGNIFICANCE.0 * load.se && load.value.abs() > LOAD_SIGNIFICANCE.1 * best.f1.value
-    });
     let mut remarks = remarks(&estimates, white, simulation_error / noise);
     let cycles = cycles::estimates(recordings, &tracks);
     estimates.extend(cycles.estimates);
     remarks.extend(cycles.remarks);
     Ok(Identified {
+        load: significant_load(&best),
         best,
         estimates,
-        load,
         undetermined,
         noise,
         simulation_error,
@@ -230,6 +238,12 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         remarks,
         fit,
     })
+}
+
+/// The load, where it exceeds its error and a share of the Coulomb friction.
+fn significant_load(best: &Estimate) -> Option<Value> {
+    let (errors, share) = LOAD_SIGNIFICANCE;
+    best.load.filter(|load| load.value.abs() > (errors * load.se).max(share * best.f1.value))
 }
 
 /// Whether a friction is negative by more than its error.
@@ -347,7 +361,7 @@ fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {
     problem.fit(&candidate, &Free::all(&candidate.effects), None, 15).ok()
 }
 
-fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) {
+pub(super) fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) {
     for (parameter, value, advice) in [
         ("b", estimate.b, "record faster reversals: a relay experiment with a larger h1"),
         ("c", estimate.c, "record higher speeds, or relay experiments with different h2"),

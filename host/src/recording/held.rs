@@ -9,8 +9,8 @@ use super::Recording;
 use super::timing::median;
 
 /// Size of a change, in smallest changes, from which the axis is too fast for a value to repeat by itself. An encoder's
-/// smallest change is its step; at two steps per row a value lasts half a row.
-const FAST: f64 = 2.0;
+/// smallest change is its step; at three steps per row a value lasts a third of a row, and noise of half a step repeats none.
+const FAST: f64 = 3.0;
 /// Largest ratio of two successive changes; a change that is several times the other is not at one speed.
 const SAME_SPEED: f64 = 2.0;
 /// Fewest refreshes at speed from which a period is told.

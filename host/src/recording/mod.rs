@@ -3,6 +3,7 @@
 //! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
+mod angle;
 mod clock;
 mod error;
 mod field;
