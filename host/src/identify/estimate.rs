@@ -12,7 +12,7 @@ use super::track::{self, Track, median};
 use super::weak::{self, WeakFit, Window};
 use crate::recording::Recording;
 
-/// Segments of the output-error fit, s (discovery.md, method step 1).
+/// Segments of the output-error fit, s (docs/theory.md, section 5).
 pub const FIT_SEGMENT_S: f64 = 0.4;
 /// Most segments that are simulated; longer sessions are sampled evenly.
 pub const MAX_SEGMENTS: usize = 160;
@@ -380,12 +380,14 @@ pub(super) fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Unde
 }
 
 fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
-    let mut remarks =
-        vec!["c is Ke + f2: back-EMF and viscous friction act alike and position data cannot split them".into()];
+    let mut remarks = vec![
+        "c is back-EMF and viscous friction together (Ke + f2): they act alike, and position data cannot split them"
+            .into(),
+    ];
     if !white {
         remarks.push(format!(
-            "the residual is not white: the simulation misses the recording by {ratio:.1} times the noise. Something is missing \
-             in the model here; `breakaway discover` looks for it"
+            "the simulation misses the recording by {ratio:.1} times the noise, so the model misses something; `breakaway \
+             discover` looks for it"
         ));
     }
     if let [weak, simulated] = estimates {
@@ -393,20 +395,20 @@ fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
         let differ = differ(weak.b, simulated.b) || differ(weak.c, simulated.c) || differ(weak.f1, simulated.f1);
         if differ && white {
             remarks.push(
-                "the two estimates differ by more than their errors, but the simulation follows the recording down to its \
-                 noise: noise and reversals within its windows bias the weak form. The output-error numbers are reported"
+                "weak_form and output_error differ by more than their errors. The simulation follows the recording down to its \
+                 noise, so the weak form is biased, by noise or by reversals within its windows. The output-error numbers are \
+                 reported"
                     .into(),
             );
         } else if differ {
             remarks.push(
-                "the two estimates differ by more than their errors, because the model misses something: equation error \
-                 weighs the forces in windows of 40 ms, simulation weighs positions over 0.4 s, where a missing force has been \
-                 integrated twice and is charged to the base. The equation-error numbers are reported, as they are less biased"
+                "weak_form and output_error differ by more than their errors, because the model misses something. A missing \
+                 force biases the simulation over 0.4 s more than the forces over 40 ms. The weak-form numbers are reported"
                     .into(),
             );
         } else {
             remarks.push(format!(
-                "the two estimates agree within their errors: by simulation b differs by {:+.1} % from that by equation error",
+                "weak_form and output_error agree within their errors; b differs by {:+.1} %",
                 100.0 * (simulated.b.value / weak.b.value - 1.0)
             ));
         }

@@ -2,7 +2,7 @@
 
 use crate::recording::Recording;
 
-/// Half-width of the local cubic, s (discovery.md, method step 1); at least [`MIN_HALF_SAMPLES`] samples.
+/// Half-width of the local cubic, s (docs/theory.md, section 5); at least [`MIN_HALF_SAMPLES`] samples.
 pub(super) const HALF_WIDTH_S: f64 = 0.010;
 const MIN_HALF_SAMPLES: usize = 4;
 

@@ -1,4 +1,4 @@
-//! Equation error in weak form (discovery.md, method step 2).
+//! Equation error in weak form (docs/theory.md, section 5).
 //!
 //! Over windows of ±20 ms, with the test function `φ = (1 − s²)⁴`, the equation of motion is integrated against φ and
 //! its derivatives are moved onto φ:

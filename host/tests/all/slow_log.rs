@@ -9,10 +9,10 @@ use crate::support::json;
 
 /// The papers' plant under a drive of a hundred ticks per second, and every `keep`th row of its recording.
 fn identified(folder: &Path, keep: usize) -> Value {
-    let experiment = "name = \"slow\"\nduration_s = 60.0\n[excitation]\nkind = \"multisine\"\namplitude = 2.0\n\
+    let experiment = "name = \"slow\"\nduration_s = 60.0\ntick_s = 0.01\n[excitation]\nkind = \"multisine\"\namplitude = 2.0\n\
         from_hz = 0.3\nto_hz = 2.7\n[sensor]\nencoder_step = 1e-3\n";
     fs::write(folder.join("slow.toml"), experiment).unwrap();
-    json(folder, &["run", "slow.toml", "--tick", "0.01", "--force", "-o", "all"]);
+    json(folder, &["run", "slow.toml", "--force", "-o", "all"]);
     let text = fs::read_to_string(folder.join("all/slow.csv")).unwrap();
     let (header, rows): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with(['#', 't']));
     // The header's tick is that of all rows.
