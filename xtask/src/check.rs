@@ -81,8 +81,8 @@ fn words_and_licences(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-/// nextest where it is installed (it runs the tests of all crates side by side), else cargo's own runner, in which the tests
-/// of the virtual board see for themselves whether there is a QEMU.
+/// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
+/// tests of the virtual board look for a QEMU themselves.
 fn host_tests(qemu: bool) -> Command {
     let targets = ["--workspace", "--all-features", "--lib", "--bins", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {

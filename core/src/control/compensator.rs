@@ -1,8 +1,8 @@
 //! The feed-forward compensator: the model's force along the reference.
 //!
-//! `u_ff = b·a + c·v + level(x, v)·sgn v − Σ forces(x, v)` at the reference a lead time ahead, for every effect of which the
-//! catalogue says that it can be compensated; drive-path effects (dead zone, PWM dead time) act on the whole drive, by
-//! their inverse. The sign is the reference's, never the measured velocity's, and it is 0 while the reference rests
+//! `u_ff = b·a + c·v + level(x, v)·sgn v − Σ forces(x, v)` at the reference a lead time ahead. It has every effect that can
+//! be compensated by its catalogue entry. The inverse of drive-path effects (dead zone, PWM dead time) acts on the whole
+//! drive. The sign is the reference's, never the measured velocity's, and it is 0 while the reference rests
 //! (docs/theory.md, section 6). The friction part stays below the break-away force, so that compensation alone never
 //! moves an axis at rest.
 

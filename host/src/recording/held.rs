@@ -54,8 +54,8 @@ struct Interval {
 }
 
 impl Recording {
-    /// How the position is held between refreshes of its sensor, or `None` where every row has a position of its own, or
-    /// where there is too little motion, or too much of one speed, to tell.
+    /// How the position is held between refreshes of its sensor. `None` where every row has a position of its own, and
+    /// where too little motion, or motion at one speed, does not tell.
     pub fn held(&self) -> Option<Held> {
         let mut intervals = self.intervals_at_speed();
         let count = intervals.len();
