@@ -46,8 +46,8 @@ fn the_readmes_walk() {
         fs::write(place.join(name), content).unwrap();
     }
     // The reader's own recording.
-    done(place, "breakaway run relay.toml -o own");
-    done(place, "sed -e '/^#/d' -e 's/^t,u,x$/t_s,u_V,x_m/' own/relay.csv > rec.csv");
+    done(place, "breakaway run suite --model axis.toml --tick 0.004 -o own");
+    done(place, "sed -e '/^#/d' -e 's/^t,u,x$/t_s,u_V,x_m/' own/fit/relay_high.csv > rec.csv");
     let mut commands = Vec::new();
     for line in lines("README.md", &text).iter().filter(|line| line.program == Program::Breakaway) {
         let words = line.words();
