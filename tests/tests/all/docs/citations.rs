@@ -83,11 +83,12 @@ fn cited_pages_and_sections_exist() {
                     .rfind(|c: char| !(c.is_alphanumeric() || "-_./".contains(c)))
                     .map_or(0, |k| k + before[k..].chars().next().map_or(0, char::len_utf8));
                 let (cited, rest) = (&line[start..at + 3], &line[at + 3..]);
-                // Patterns, pages on the web, and in source what is no comment or is a file to be written: `simulate.md`.
+                // Patterns, places for a name, pages on the web, and in source what is no comment or is a file to be written: `simulate.md`.
                 let is_source = file.extension().is_some_and(|kind| kind == "rs");
                 let is_text = is_source && (!line[..start].contains("//") || line[..start].ends_with('`'));
                 if is_text
                     || cited == ".md"
+                    || cited.contains("NAME")
                     || line[..start].ends_with(['*', '}', ':'])
                     || rest.starts_with(char::is_alphanumeric)
                 {
