@@ -1,4 +1,4 @@
-//! Prints the table of identification.md section 4 (RMS error of each estimator by encoder step and noise) and the
+//! Prints the table of docs/theory.md, section 4 (RMS error of each estimator by encoder step and noise) and the
 //! throughput of the streaming estimator.
 
 #[path = "../tests/all/support/mod.rs"]

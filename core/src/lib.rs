@@ -13,4 +13,5 @@ pub mod excite;
 mod fnv;
 pub mod link;
 pub mod plant;
+mod says;
 pub mod scalar;

@@ -13,7 +13,7 @@ use breakaway::recording::{ReadOptions, Recording};
 use breakaway::simulate::limit_cycle::exact_cycle;
 use breakaway_core::plant::Base;
 
-/// The papers' plant (identification.md section 1).
+/// The papers' plant (docs/theory.md, section 1).
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const RELAY: (f64, f64) = (2.0, 1.5);
 

@@ -1,5 +1,6 @@
 //! Files that are written whole or not at all, and never over what breakaway did not write.
 
+mod error;
 mod kind;
 mod target;
 
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::interrupt;
 
+pub use error::{FileError, read_as};
 pub use kind::{FIGURE_MARK, FileKind, PAGE_MARK};
 pub use target::{Target, TargetError, apart, inside, may_write};
 

@@ -13,7 +13,7 @@ use breakaway_hidden::{Case, Experiment, Role};
 use breakaway_tests::blind::{recordings, run};
 use breakaway_tests::measured_data;
 
-/// The hidden effect is named, alone, and its main parameter is within 5 % (the bar of discovery.md for the median).
+/// The hidden effect is named, alone, and its main parameter is within 5 % (what was asked of the median over many cases).
 fn named(effect: &str, seed: u64) {
     let (scored, _) = run(&Case::suite(seed, &[effect], 10.0).unwrap()).unwrap();
     assert!(scored.right(), "{scored:?}");

@@ -22,7 +22,7 @@ struct Order {
 
 /// The walk of the data: what is applied, learnt, driven and sent; recording → model → discovery → device → report.
 const CRATES: [Order; 3] = [
-    Order { name: "core", rooms: &["fnv", "scalar", "plant", "excite", "estimate", "control", "link"] },
+    Order { name: "core", rooms: &["fnv", "says", "scalar", "plant", "excite", "estimate", "control", "link"] },
     Order { name: "firmware", rooms: &["board", "storage", "app"] },
     Order {
         name: "host",

@@ -9,7 +9,7 @@ use crate::cross::{self, Toolchain};
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
-use crate::run::{cargo, run, run_counting, succeeds};
+use crate::run::{cargo, root, run, run_counting, succeeds};
 use crate::setup;
 
 /// Runs all steps, stops at the first that fails; ends with times, what was not run, and `N passed, N failed`.
@@ -31,6 +31,7 @@ fn steps(report: &mut Report) -> Result<()> {
     report.check("clippy", || {
         run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))
     })?;
+    words_and_licences(report)?;
     let mut toolchain = Toolchain::Active;
     report.check("toolchain for the microcontrollers", || {
         toolchain = cross::install()?;
@@ -64,8 +65,24 @@ fn steps(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-/// nextest where it is installed (it runs the tests of all crates side by side), else cargo's own runner, in which the tests
-/// of the virtual board see for themselves whether there is a QEMU.
+/// Wrong words, and the licences and sources of the dependencies: by programs that take a second, where they are installed.
+fn words_and_licences(report: &mut Report) -> Result<()> {
+    if succeeds(Command::new("typos").arg("--version")) {
+        report.check("words (typos)", || run(Command::new("typos").current_dir(root())))?;
+    } else {
+        report.not_run("wrong words: typos is not installed (`cargo install typos-cli`)".to_owned());
+    }
+    if succeeds(&mut cargo(["deny", "--version"])) {
+        // Advisories need the network.
+        let check = ["deny", "--offline", "check", "bans", "licenses", "sources"];
+        return report.check("licences and sources (cargo-deny)", || run(&mut cargo(check)));
+    }
+    report.not_run("licences and sources: cargo-deny is not installed (`cargo install cargo-deny`)".to_owned());
+    Ok(())
+}
+
+/// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
+/// tests of the virtual board look for a QEMU themselves.
 fn host_tests(qemu: bool) -> Command {
     let targets = ["--workspace", "--all-features", "--lib", "--bins", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {

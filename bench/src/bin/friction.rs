@@ -39,7 +39,7 @@ fn of_paper(estimate: PaperEstimate<f64>) -> [f64; 3] {
     [estimate.tp / estimate.kp, 1.0 / estimate.kp, estimate.f1]
 }
 
-/// The describing function's three equations, corrected (identification.md section 4): two experiments, solved by hand.
+/// The describing function's three equations, corrected (docs/theory.md, section 4): two experiments, solved by hand.
 fn corrected(e: [RelayExperiment<f64>; 2]) -> [f64; 3] {
     let b = e.map(|e| 4.0 * e.h1 / (PI * e.a * e.omega * e.omega)).iter().sum::<f64>() / 2.0;
     let s = e.map(|e| PI * e.a * e.omega / 4.0);

@@ -18,7 +18,7 @@ use breakaway::simulate::axis::Axis;
 use breakaway::simulate::experiment::{Excitation, Experiment, Sensor};
 use breakaway_core::plant::{Base, Effect, Kind};
 
-/// The papers' plant (identification.md section 1), and what its model will miss.
+/// The papers' plant (docs/theory.md, section 1), and what its model will miss.
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const HIDDEN: (Kind, [f64; 2]) = (Kind::Stribeck, [0.2, 0.5]);
 /// Lengths of a single recording, s, and numbers of recordings of [`EACH_S`].

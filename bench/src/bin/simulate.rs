@@ -12,7 +12,7 @@ use breakaway_bench::timed;
 use breakaway_core::plant::Base;
 use differential_equations::prelude::*;
 
-/// The papers' plant (identification.md section 1).
+/// The papers' plant (docs/theory.md, section 1).
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const RELAYS: [(f64, f64); 2] = [(2.0, 1.5), (1.0, 0.7)];
 const REPEATS: usize = 2;

@@ -1,4 +1,4 @@
-//! The adaptive law, corrected (identification.md section 5; errata 27–33 of the paper's eqs 22–31).
+//! The adaptive law, corrected (docs/theory.md, section 6; errata 27–33 of the paper's eqs 22–31).
 //!
 //! ```text
 //! s = Λ1·∫e + Λ2·e + ė       s_Δ = s − δ·sat(s/δ)       e = x_d − x

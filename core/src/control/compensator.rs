@@ -1,9 +1,9 @@
 //! The feed-forward compensator: the model's force along the reference.
 //!
-//! `u_ff = b·a + c·v + level(x, v)·sgn v − Σ forces(x, v)` at the reference a lead time ahead, for every effect of which the
-//! catalogue says that it can be compensated; drive-path effects (dead zone, PWM dead time) act on the whole drive, by
-//! their inverse. The sign is the reference's, never the measured velocity's, and it is 0 while the reference rests
-//! (identification.md section 5). The friction part stays below the break-away force, so that compensation alone never
+//! `u_ff = b·a + c·v + level(x, v)·sgn v − Σ forces(x, v)` at the reference a lead time ahead. It has every effect that can
+//! be compensated by its catalogue entry. The inverse of drive-path effects (dead zone, PWM dead time) acts on the whole
+//! drive. The sign is the reference's, never the measured velocity's, and it is 0 while the reference rests
+//! (docs/theory.md, section 6). The friction part stays below the break-away force, so that compensation alone never
 //! moves an axis at rest.
 
 use super::fast::Fast;
@@ -11,6 +11,7 @@ use super::term::{Sum, Term};
 use super::trajectory::Setpoint;
 use crate::plant::effect::{Compensation, Effect, Kind};
 use crate::plant::{Base, MAX_EFFECTS, PlantError};
+use crate::says::says;
 use crate::scalar::Real;
 
 /// Why a model cannot be compensated.
@@ -24,6 +25,13 @@ pub enum CompensatorError {
     Parameter(Kind),
     /// The lead time is not finite and non-negative.
     Lead,
+}
+
+says! { CompensatorError:
+    Self::Base(error) => "{error}",
+    Self::TooManyEffects => "the model has too many effects",
+    Self::Parameter(kind) => "a parameter of {} is not a finite number" (kind.name()),
+    Self::Lead => "the lead time must be a finite number, 0 or more",
 }
 
 /// The parts of a feed-forward drive, drive units.

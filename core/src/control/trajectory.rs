@@ -11,6 +11,7 @@ pub use samples::Samples;
 pub use sine::Sine;
 
 use super::fast::Fast;
+use crate::says::says;
 use crate::scalar::Real;
 
 /// What the axis should do at one instant.
@@ -43,6 +44,17 @@ pub enum TrajectoryError {
     Duration,
     /// No samples.
     Empty,
+}
+
+says! { TrajectoryError:
+    Self::Tick => "the tick must be above 0",
+    Self::Distance => "the amplitude or distance must be a finite number",
+    Self::Frequency => "the frequency must be above 0 and below half the tick rate",
+    Self::Speed => "the speed must be above 0",
+    Self::Acceleration => "the acceleration must be above 0",
+    Self::Jerk => "the jerk must be above 0",
+    Self::Duration => "the move or the rest takes too long",
+    Self::Empty => "there are no samples",
 }
 
 fn check_tick<F: Real>(tick_s: F) -> Result<(), TrajectoryError> {

@@ -1,11 +1,12 @@
 //! The PID of the paper's remark 1, tuned from the identified (b, c) and a bandwidth.
 //!
-//! `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė` (identification.md section 5; b is what (paper 24) puts before u_c). With the
+//! `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė` (docs/control.md, section "The PID"; b is what (paper 24) puts before u_c). With the
 //! plant the open loop is `L(s) = Kv·(s² + Λ2·s + Λ1)/(s²·(s + c/b))`. Λ1 and Λ2 put one zero at ωc/4 and the other on the
 //! plant's pole c/b, but within ωc/4..4ωc (a double zero at ωc/4 for little damping; a loop of nearly PI form for much),
 //! and Kv makes |L| = 1 at ωc: in continuous time the phase margin is then at least 62° for any c.
 
 use super::margins::margins;
+use crate::says::says;
 use crate::scalar::Real;
 
 /// Gains of the PID and of the adaptive law; in f64, or in what the board computes in.
@@ -48,8 +49,18 @@ pub enum TuningError {
     },
 }
 
+says! { TuningError:
+    Self::B => "b must be a finite number above 0",
+    Self::C => "c must be a finite number, 0 or more",
+    Self::Tick => "the tick must be above 0",
+    Self::Limit => "the drive limit must be above 0",
+    Self::Gain => "kv and lambda2 must be above 0, lambda1 and filter_s 0 or more",
+    Self::Bandwidth { largest_hz } => "the bandwidth is past what this tick and delay allow; the largest for this model is {largest_hz:.4} Hz",
+    Self::Rate { largest_per_s } => "kv + lambda2 is past what this tick and delay allow; the largest is {largest_per_s:.4} per s",
+}
+
 /// The largest Kv + Λ2, 1/s: `(Kv + Λ2)·Ts ≤ 0.8/(1 + d)` for `d` ticks of delay, 0.4 for the usual one
-/// (identification.md section 5). It leaves half the way to instability: an integrating loop with the hold's and the
+/// (docs/control.md, section "The PID"). It leaves half the way to instability: an integrating loop with the hold's and the
 /// difference's half ticks becomes unstable at (π/2)/(1 + d).
 pub fn largest_rate(tick_s: f64, delay_ticks: u32) -> f64 {
     0.8 / ((1.0 + f64::from(delay_ticks)) * tick_s)

@@ -1,5 +1,5 @@
 //! The corrected closed form of the relay experiment: describing functions with the ω that the paper drops
-//! (identification.md sections 2 and 4 item 3, errata 14, 18 and 21).
+//! (docs/theory.md, sections 2 and 4, errata 14, 18 and 21).
 //!
 //! Harmonic balance at the fundamental `x = a·sin ωt`:
 //! real `b·a·ω² = 4h1/π`, imaginary `c·a·ω + 4f1/π = 4h2/π`.
@@ -9,6 +9,7 @@
 //! this bias.
 
 use crate::plant::Base;
+use crate::says::says;
 use crate::scalar::Real;
 use core::f64::consts::{FRAC_PI_4, PI};
 
@@ -55,6 +56,13 @@ pub enum DescribingError {
     SameH2,
     /// All experiments have the same speed amplitude a·ω: c and f1 cannot be separated.
     SameSpeed,
+}
+
+says! { DescribingError:
+    Self::TooFewExperiments => "two experiments are needed",
+    Self::BadExperiment { index } => "experiment {index} has an amplitude, a frequency or a level that is not positive, or a negative error",
+    Self::SameH2 => "all experiments use the same h2: c and f1 cannot be separated",
+    Self::SameSpeed => "all experiments have the same speed: c and f1 cannot be separated",
 }
 
 impl DescribingError {
@@ -228,7 +236,7 @@ pub enum NoCycle {
     NoDamping,
 }
 
-/// Predicts the limit cycle of a plant by describing functions (identification.md section 2); 1 % off in ω and 2 % in a
+/// Predicts the limit cycle of a plant by describing functions (docs/theory.md, section 2); 1 % off in ω and 2 % in a
 /// on the reference plant.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Watches a dual-relay experiment and says how it ended (identification.md section 2).
+//! Watches a dual-relay experiment and says how it ended (docs/theory.md, section 2).
 //!
 //! Fed once per tick with the error and the drive, it measures each cycle between two interpolated upward zero crossings
 //! of the error: period, amplitude (√2 times the rms about the mean: the fundamental's to 0.1 %, and insensitive to
@@ -10,6 +10,7 @@ mod cycle;
 
 pub use cycle::Cycle;
 
+use crate::says::says;
 use crate::scalar::Real;
 use cycle::Meter;
 
@@ -32,6 +33,17 @@ pub enum DetectorError {
     Timeout,
     /// `max_error` is not positive (infinity means no limit).
     MaxError,
+}
+
+says! { DetectorError:
+    Self::SamplePeriod => "the sampling period must be a finite number above 0",
+    Self::H1 => "h1 must be a finite number above 0",
+    Self::H2 => "h2 must be a finite number above 0",
+    Self::Hysteresis => "the hysteresis must be a finite number, 0 or more",
+    Self::F1 => "f1 must be a finite number, 0 or more",
+    Self::Tolerance => "the tolerance must be from 1e-5 to 0.2",
+    Self::Timeout => "the timeout must be 16 samples or more, and at most 2³¹",
+    Self::MaxError => "the largest error must be above 0",
 }
 
 /// What the experiment is, and its limits. Position units are the caller's (counts, rad, m).

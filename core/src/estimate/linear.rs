@@ -4,6 +4,7 @@
 //! microseconds, it never divides by a small pivot, and its smallest eigenvector says *which* parameter the data
 //! cannot determine.
 
+use crate::says::says;
 use crate::scalar::Real;
 
 /// The largest number of parameters.
@@ -22,6 +23,12 @@ pub enum SolveError {
         /// Index of the column.
         parameter: usize,
     },
+}
+
+says! { SolveError:
+    Self::TooFewRows => "too few rows for the parameters, or too many parameters",
+    Self::NotFinite => "numbers too large to be summed",
+    Self::Undetermined { parameter } => "the data cannot determine parameter {parameter}",
 }
 
 /// Running sums of a least-squares problem with `N` columns: O(1) memory whatever the number of rows.

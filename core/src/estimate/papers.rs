@@ -70,7 +70,7 @@ mod tests {
         RelayExperiment { h1, h2, a, omega }
     }
 
-    /// Row 7 (identification.md section 4 item 2): printed to 1e-4 there.
+    /// Acceptance row 7 (docs/theory.md, section 4, item 2): printed to 1e-4 there.
     #[test]
     fn row_7_memo_listing_on_the_memos_numbers() {
         let found = memo_listing([
@@ -84,7 +84,7 @@ mod tests {
         assert!((found.tp - 0.2532).abs() < 1e-4, "{found:?}");
     }
 
-    /// Row 8 (identification.md section 4 item 1), on the exact limit cycles of its section 1: printed to 1e-3 there.
+    /// Acceptance row 8 (docs/theory.md, section 4, item 1), on the exact limit cycles of section 2: printed to 1e-3 there.
     #[test]
     fn row_8_equation_17_on_exact_limit_cycles() {
         let found = equation_17(experiment(2.0, 1.5, 1.27742, 8.68809), experiment(1.0, 0.7, 0.10192, 21.76145));

@@ -1,12 +1,13 @@
 //! The dual relay that shakes the axis into a limit cycle.
 //!
-//! `u = h1·sgn(e) + h2·sgn(∫e)`, `e = r − x` (paper section 3, identification.md section 2). The first relay (FR1) acts
+//! `u = h1·sgn(e) + h2·sgn(∫e)`, `e = r − x` (paper section 3, docs/theory.md, section 2). The first relay (FR1) acts
 //! as a spring, the second (FR2) as negative damping that feeds what friction takes. Because FR2 acts on the integral,
 //! a cycle can only repeat when `∫e` returns to itself: the mean of `e` goes to zero, and the axis does not drift, with
 //! a constant load too.
 
 use core::ops::{Add, Neg};
 
+use crate::says::says;
 use crate::scalar::Real;
 
 /// What is wrong with a relay's configuration; names the parameter.
@@ -20,6 +21,13 @@ pub enum RelayError {
     Sum,
     /// `hysteresis` is above 2³⁰ counts, or not finite or negative.
     Hysteresis,
+}
+
+says! { RelayError:
+    Self::H1 => "h1 must be a finite number above 0",
+    Self::H2 => "h2 must be a finite number above 0",
+    Self::Sum => "h1 + h2 is more than the drive can represent",
+    Self::Hysteresis => "the hysteresis must be 0 or more, and at most 2³⁰ counts",
 }
 
 /// Configuration of the dual relay. The error is an integer (encoder counts); the drive is an integer drive code
@@ -65,7 +73,7 @@ impl DualRelayState {
     }
 }
 
-/// The default hysteresis on the error: 3σ + 1 count (identification.md section 2).
+/// The default hysteresis on the error: 3σ + 1 count (docs/theory.md, section 2).
 ///
 /// `sigma_counts` is the standard deviation of the position noise in counts.
 ///

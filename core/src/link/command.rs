@@ -186,7 +186,7 @@ pub enum Trajectory {
 pub enum Controller {
     /// `kp·e + ki·∫e + kd·ė`.
     Pid(Pid),
-    /// The adaptive law (identification.md section 5), started from the loaded model.
+    /// The adaptive law (docs/theory.md, section 6), started from the loaded model.
     Adaptive(Adaptive),
 }
 

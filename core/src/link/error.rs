@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Field, Mode, SettingsError};
+use crate::says::says;
 
 /// Why a command was not carried out. New reasons are added at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,6 +30,19 @@ pub enum CommandError {
     OutsideTravel,
 }
 
+says! { CommandError:
+    Self::Malformed => "the command is not one that the device knows",
+    Self::Range(field) => "{} is out of range: it must be {}" (field.name(), field.need()),
+    Self::Settings(field) => "the setting {} is out of range: it must be {}" (field.name(), field.need()),
+    Self::Busy(mode) => "the device is in mode `{}`: stop it first" (mode.name()),
+    Self::Faulted => "a fault is latched: remove its cause and clear it",
+    Self::NothingRecorded => "there is nothing to identify: run a relay experiment on it first",
+    Self::Storage => "its flash could not be written; what was saved before is still there",
+    Self::Unsupported => "this board or firmware cannot do it",
+    Self::FaultPersists => "the cause of the fault is still there; remove it first",
+    Self::OutsideTravel => "the start position is outside the travel limits",
+}
+
 /// A frame that is no valid request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
@@ -36,4 +50,8 @@ pub struct Rejected {
     pub id: Option<u16>,
     /// The answer.
     pub error: CommandError,
+}
+
+says! { Rejected:
+    Self { error, .. } => "{error}",
 }

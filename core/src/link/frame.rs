@@ -3,6 +3,7 @@
 //! Zero bytes occur only at the end of frames, so a receiver that has lost bytes is in step again after the next one; the
 //! CRC finds what was damaged in between. Two zeros in a row are no frame and no error: a sender may put one in front.
 
+use crate::says::says;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::Serialize;
 
@@ -26,6 +27,10 @@ pub fn checksum(bytes: &[u8]) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncodeError;
 
+says! { EncodeError:
+    Self => "the message does not fit into a frame",
+}
+
 /// Why a frame was thrown away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameError {
@@ -35,6 +40,12 @@ pub enum FrameError {
     Damaged,
     /// The CRC does not match.
     Crc,
+}
+
+says! { FrameError:
+    Self::TooLong => "the frame is too long",
+    Self::Damaged => "the frame is damaged",
+    Self::Crc => "the frame's checksum does not match",
 }
 
 /// Writes `message` as a frame; returns the frame's length.

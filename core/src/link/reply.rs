@@ -110,7 +110,7 @@ pub struct Identified {
     pub sine: Option<Sine>,
 }
 
-/// A sine fit on the board (identification.md section 3).
+/// A sine fit on the board (docs/theory.md, section 3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sine {
     /// Position units.

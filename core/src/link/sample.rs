@@ -1,5 +1,6 @@
 //! Samples of the stream, in batches.
 
+use crate::says::says;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -84,6 +85,10 @@ pub struct Batch {
 /// The samples of a batch are not what they should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchError;
+
+says! { BatchError:
+    Self => "the batch of samples is damaged",
+}
 
 impl Batch {
     /// The samples. An error is the last item.

@@ -1,8 +1,9 @@
 //! The base equation of motion.
 
+use crate::says::says;
 use crate::scalar::Real;
 
-/// The three parameters that position data can identify (identification.md section 1):
+/// The three parameters that position data can identify (docs/theory.md, section 1):
 ///
 /// `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`, with `c = Ke + f2`.
 ///
@@ -26,6 +27,12 @@ pub enum PlantError {
     C,
     /// `f1` is not finite and non-negative.
     F1,
+}
+
+says! { PlantError:
+    Self::B => "b must be a finite number above 0",
+    Self::C => "c must be a finite number, 0 or more",
+    Self::F1 => "f1 must be a finite number, 0 or more",
 }
 
 impl<R: Real> Base<R> {

@@ -1,7 +1,7 @@
 //! Numerically controlled oscillator: a u32 phase accumulator and an interpolated sine table.
 //!
 //! One turn is 2³² phase units, so the phase wraps by itself and never loses resolution, however long the record
-//! (an f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps, identification.md section 3).
+//! (an f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps).
 //!
 //! [`sin_cos`] looks up the nearest of 256 points of the circle and interpolates with the derivatives that the table
 //! already holds, `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256.
@@ -9,6 +9,7 @@
 //! (2.8 Q30 steps), where a 10-bit table without interpolation errs by 3e-3 and floors amplitudes at 1e-3.
 //! Integers only: it runs in the tick of a core without an FPU, in a quarter of a KiB of table: the first quarter turn.
 
+use crate::says::says;
 use core::f64::consts::TAU;
 
 /// Points of the table per turn.
@@ -96,6 +97,11 @@ pub enum NcoError {
     SamplePeriod,
     /// The frequency is not finite, or outside (0, Nyquist), or below 2⁻³² turn per sample.
     Frequency,
+}
+
+says! { NcoError:
+    Self::SamplePeriod => "the sampling period must be a finite number above 0",
+    Self::Frequency => "the frequency must be above 0, below half the sampling rate, and at least 2⁻³² turn per sample",
 }
 
 impl Nco {

@@ -39,7 +39,7 @@ const fn run(h1: f64, h2: f64, ts: f64, seconds: f64) -> Run {
     Run { h1, h2, ts, ticks: (seconds / ts) as usize + 2, hysteresis: 0 }
 }
 
-/// Periods and fundamental amplitudes of identification.md section 1. The relay is sampled at 20 µs: half a sample of
+/// Periods and fundamental amplitudes of docs/theory.md, section 2. The relay is sampled at 20 µs: half a sample of
 /// lag is ω·Ts/2 ≤ 2e-4 rad, which moves the balance h2 − f1 by at most h1·2e-4/(h2−f1) = 0.1 %; √2·rms exceeds the
 /// fundamental by (X3/X1)²/2 ≤ 0.11 %; the settling tolerance is set to 0.1 % of change still to come.
 #[test]
@@ -57,7 +57,7 @@ fn settled_cycles_agree_with_the_exact_ones() {
     }
 }
 
-/// A known f1 gives the contraction of a cycle, ρ = e^(−2(h2−f1)/h1) (identification.md section 2).
+/// A known f1 gives the contraction of a cycle, ρ = e^(−2(h2−f1)/h1) (docs/theory.md, section 2).
 #[test]
 fn the_contraction_is_that_of_the_known_friction() {
     for (h1, h2) in [(2.5, 2.0), (2.0, 1.5)] {

@@ -1,4 +1,4 @@
-//! Sine fit: identification.md section 7 rows 1 to 5, the memo's numbers, and the errors a dc causes.
+//! Sine fit: acceptance rows 1 to 5, the memo's numbers, and the errors a dc causes.
 
 use breakaway_core::estimate::sine::{
     BlockSums, FrequencySearch, SineError, SineErrors, SineFit, SineModel, StreamingSine, cramer_rao, even, fit_fixed,

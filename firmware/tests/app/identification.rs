@@ -28,7 +28,7 @@ fn the_board_finds_the_plant_by_itself() {
     assert_eq!(bench.command(Command::Identify), Reply::Error(CommandError::NothingRecorded));
     let (found, _) = identified(&mut bench);
     assert_eq!(found.verdict, Verdict::Determined);
-    // Acceptance number 10 with its encoder (identification.md section 7): b 1 %, c 0.5 %, f1 1 %.
+    // Acceptance row 10 with its encoder (tests/tests/all/acceptance/mod.rs): b 1 %, c 0.5 %, f1 1 %.
     for (name, got, truth, allowed) in
         [("b", found.b, PLANT.b, 0.01), ("c", found.c, PLANT.c, 0.005), ("f1", found.f1, PLANT.f1, 0.01)]
     {

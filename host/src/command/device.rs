@@ -16,7 +16,7 @@ use crate::device::{Client, settings};
 use crate::file::{FileKind, Target};
 use crate::model::Model;
 
-/// Ask and command a board: identity, settings, model, faults
+/// Read and command a board: identity, settings, model, faults
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway device --port /dev/ttyACM0 info
@@ -37,9 +37,9 @@ pub struct Args {
 /// What to do with the board.
 #[derive(clap::Subcommand, Debug)]
 pub enum Action {
-    /// Who it is: board, firmware, tick, scales
+    /// Show the board, its firmware, tick and scales
     Info,
-    /// What it is doing
+    /// Show what the board is doing
     Status,
     /// Limits, guards and scales
     Settings {
@@ -47,9 +47,9 @@ pub enum Action {
         #[command(subcommand)]
         action: Option<SettingsAction>,
     },
-    /// The latched fault, with the numbers that caused it
+    /// Show the latched fault and the numbers that caused it
     Fault,
-    /// Forget the latched fault
+    /// Clear the latched fault
     Clear,
     /// The model it compensates with
     Model {
@@ -57,11 +57,11 @@ pub enum Action {
         #[command(subcommand)]
         action: ModelAction,
     },
-    /// Solve the relay experiments that were run on it
+    /// Identify from the relay experiments that were run on the board
     Identify,
     /// Keep settings and model across resets
     Save,
-    /// End what is running; the drive goes to 0
+    /// Stop what is running; the drive goes to 0
     Stop,
     /// Reset it
     Reboot,

@@ -18,9 +18,10 @@ pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::identify::shooting::Candidate;
 use crate::model::{BaseSe, EffectEntry, Model};
+use crate::recording::Recording;
 use crate::report::{discovery, json};
 
-/// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
+/// Find where simulation and recordings disagree, name the missing effect, add it to the model
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway discover session/fit/*.csv --holdout session/score/*.csv -o improved.toml --report report.html
@@ -31,7 +32,8 @@ Without --model the base model is identified first. Without --holdout the last t
 --fleet works on many machines side by side: DIR holds one folder per machine with fit/*.csv and score/*.csv (as `breakaway
 run suite` writes them) or *.csv, and base.toml or model.toml if there is a model to start from. The folder of -o gets
 MACHINE/improved.toml, report.html and result.json, and over all of them summary.csv and summary.html. A machine whose
-result is there, from the same files, options and version, is skipped. What goes wrong with one machine is its row.
+result is there, from the same files, options and version, is skipped. A machine that fails has a row
+with the reason, and the exit code is then 1.
 
 JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.
 JSON of --fleet: machines (machine, verdict, effects, tied, shrink, noise_factor, noise_floor, base, seconds, skipped,
@@ -43,7 +45,7 @@ pub struct Args {
     /// Model so far [default: identified]
     #[arg(long, value_name = "M.toml")]
     pub model: Option<PathBuf>,
-    /// Recordings that are only scored
+    /// Recordings to judge by; the model is not fitted to them
     #[arg(long, value_name = "REC", num_args = 1.., conflicts_with = "fleet")]
     pub holdout: Vec<PathBuf>,
     /// Write the improved model to this file (`-` is standard output); with --fleet, the folder for all results
@@ -52,13 +54,13 @@ pub struct Args {
     /// Write the report to this file; `-` is standard output
     #[arg(long, value_name = "R.html", conflicts_with = "fleet")]
     pub report: Option<Target>,
-    /// Work on all machines of this folder, one folder each
+    /// Work on all machines of this folder; each has a folder of its own
     #[arg(long, value_name = "DIR", requires = "output")]
     pub fleet: Option<PathBuf>,
     /// Machines worked on at a time; they share the cores [default: the number of cores]
     #[arg(long, value_name = "N", requires = "fleet")]
     pub workers: Option<NonZeroUsize>,
-    /// Work on every machine, also where its result is there
+    /// Work on every machine, also where a result exists
     #[arg(long, requires = "fleet")]
     pub again: bool,
     /// Columns and rows.
@@ -108,9 +110,14 @@ impl Args {
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
-    let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
     fit.is_apart_from(&score)?;
-    let model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let mut model = inputs.model.as_deref().map(Model::read).transpose()?;
+    if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
+        model.in_radians(radians);
+    }
+    let converted = fit.in_radians();
+    score.in_radians();
     let request = Request {
         recordings: fit.recordings,
         holdout: score.recordings,
@@ -120,6 +127,9 @@ pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) +
     let first = inputs.fit.first().map(|path| path.display().to_string()).unwrap_or_default();
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
+    found.remarks.extend(converted.map(|unit| {
+        format!("the position was converted from {unit} to rad, because gravity and eccentricity are laws of an angle in rad")
+    }));
     Ok(found)
 }
 

@@ -21,7 +21,7 @@ pub use page::page;
   breakaway effects
   breakaway effects stribeck
 
-Units have U for the drive's and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
+In units, U stands for the drive's unit and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
 (symbol, role, unit, meaning, min, max, default), shown_by, confused_with, generalises, excludes and residue (lists of
 name and why), repeats, needs_angle, phase_per_recording, shared_clock, compensation (null where there is none).")]
 pub struct Args {

@@ -132,7 +132,7 @@ impl Args {
 pub fn model(result: &Identified, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
     let best = &result.best;
     let base = Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
-        .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error:?} is out of range"))?;
+        .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))?;
     let effects = result.load.iter().map(|load| EffectEntry {
         name: "constant_load".into(),
         parameters: [("f0".to_owned(), load.value)].into(),

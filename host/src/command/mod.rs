@@ -48,13 +48,13 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Show the whole story on a simulated axis: relay experiment, sine fit, model
+    /// Show everything on a simulated axis: relay experiment, sine fit, model
     Demo(demo::Args),
     /// Run an experiment, or the standard suite, on the simulated plant or on a board
     Run(run::Args),
     /// Make a recording from a model, with any effects, and an experiment
     Simulate(simulate::Args),
-    /// Find where simulation and recordings disagree, name the missing effect, add it, show the gap shrink
+    /// Find where simulation and recordings disagree, name the missing effect, add it to the model
     Discover(discover::Args),
     /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
     Identify(identify::Args),
@@ -68,9 +68,9 @@ pub enum Command {
     Capture(capture::Args),
     /// Watch a board live: position, drive, mode, rates, drops, faults
     Monitor(monitor::Args),
-    /// Ask and command a board: identity, settings, model, faults
+    /// Read and command a board: identity, settings, model, faults
     Device(device::Args),
-    /// Follow a reference in closed loop, with and without compensation side by side
+    /// Follow a reference in closed loop, with and without compensation
     Track(track::Args),
     /// Tune a controller from a model: PID gains, compensator, adaptive start values, margins
     Tune(tune::Args),

@@ -31,13 +31,13 @@ use crate::simulate::suite::{self, Machine, Role};
   breakaway run relay.toml -o session
   breakaway run suite --port /dev/ttyACM0 -o session
 
-Without --model the plant of the papers is taken: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
+Without --model it simulates the reference plant of docs/theory.md, section 2: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
 the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score. A folder
 that holds a session already is refused; --force replaces that session.
 
-On a board (--port) its tick, its encoder step and its limits hold; a multisine then consists of the multiples of from_hz. Ctrl-C
-stops the axis. If the board is lost, what was recorded until then is kept. Samples that were lost on the way are cut out
-and counted (missing).
+On a board (--port) the board's tick, encoder step and limits apply, and a multisine consists of the multiples of from_hz.
+Ctrl-C stops the axis. If the board is lost, what was recorded until then is kept. Samples that are lost on the way are
+cut out and counted (missing).
 
 JSON: breakaway (of a suite), recordings (file, role, samples, ending; on a board also missing). A relay run ends settled, asymmetric (period_s,
 omega, amplitude, bias, mean_drive, cycles, tolerance), no_limit_cycle (reason), timeout (cycles, last_change), limit_tripped
@@ -46,7 +46,7 @@ pub struct Args {
     /// An experiment file, or `suite`
     #[arg(value_name = "EXPERIMENT")]
     pub experiment: String,
-    /// The plant to simulate [default: the papers' plant]
+    /// The plant to simulate [default: the reference plant, docs/theory.md section 2]
     #[arg(long, value_name = "M.toml", conflicts_with = "port")]
     pub model: Option<PathBuf>,
     /// Serial port or pseudo-terminal of a board to run on, instead of the simulated plant
@@ -78,7 +78,7 @@ pub struct Args {
     pub seed: u64,
 }
 
-/// The papers' plant, Gp = 10/(s(0.2685s + 1)), f1 = 0.5, f2 = 0.01 lumped into c (identification.md section 1).
+/// The papers' plant, Gp = 10/(s(0.2685s + 1)), f1 = 0.5, f2 = 0.01 lumped into c (docs/theory.md, section 1).
 pub fn papers_plant() -> Model {
     Model {
         base: Base { b: 0.02685, c: 0.11, f1: 0.5 },

@@ -83,6 +83,11 @@ impl Session {
         all.find(|(other, _)| same(other)).map(|(_, file)| file.clone())
     }
 
+    /// Converts every position that is an angle to rad. Returns the unit that it had, if it had another.
+    pub fn in_radians(&mut self) -> Option<String> {
+        self.recordings.iter_mut().filter_map(Recording::in_radians).last()
+    }
+
     /// Checks that nothing of this session is held out as well.
     ///
     /// # Errors

@@ -22,22 +22,23 @@ use crate::model::Model;
 use crate::recording::Units;
 use crate::report::tracking;
 
-/// Follow a reference in closed loop, with and without compensation side by side, on the simulated plant or on a board
+/// Follow a reference in closed loop, with and without compensation, on the simulated plant or on a board
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway track --model model.toml --reference sine:1,0.25 --report track.html
   breakaway track --model identified.toml --plant true.toml --reference trapezoid:2,4,40 -o runs
   breakaway track --model discovered.toml --port /dev/ttyACM0 --reference sine:1,0.1 --report track.html
 
-The controller is the one that runs on the board, in its number type (f32). Followed are: the PID alone; the PID with
-the base model (b, c, f1) compensated; with the whole model compensated, if it has effects; and the adaptive law. The
-simulated plant is --plant, or the model itself. Errors are against the true position, counted from --settle on.
+The controller is the one that runs on the board, in its number type (f32). Four runs are compared: the PID alone; the PID
+with the base model (b, c, f1) compensated; the PID with the whole model compensated, if it has effects; the adaptive
+law. The simulated plant is --plant, or the model itself. Errors are against the true position, from --settle on.
 
-A reference from a file must be smooth: its second difference is the acceleration that compensation applies, and a
-recorded encoder is not.
+A reference from a file must be smooth, because its second difference is the acceleration that is compensated. The
+positions of a recorded encoder are not smooth.
 
-On a board (--port) its tick, encoder step and limits hold, and errors are against its encoder. It follows a sine, a trapezoid or
-an S-curve, with the same four one after the other; the models are loaded for it, and the last one stays loaded until the board is reset (`breakaway device model save` keeps it). Ctrl-C stops the axis.
+On a board (--port) the board's tick, encoder step and limits apply, and errors are against its encoder. It follows a sine,
+a trapezoid or an S-curve in the same four runs. The models are loaded for that, and the last one stays loaded until the
+board is reset; `breakaway device save` keeps it. Ctrl-C stops the axis.
 
 JSON: reference, plant, tick_s, duration_s, settle_s, runs (name, rms, peak, rms_steps, drive_rms, saturated), improvement (PID
 alone over the whole model), units; of a board also missing (samples lost on the way) and mismatches (what its drift watch said: direction of
@@ -52,7 +53,7 @@ pub struct Args {
     /// What to follow: sine:A,HZ, trapezoid:D,V,A[,REST], s_curve:D,V,A,J[,REST] or a FILE.csv
     #[arg(long, value_name = "REF", default_value = "sine:1,0.5")]
     pub reference: String,
-    /// Serial port or pseudo-terminal of a board to follow it, instead of the simulated plant
+    /// Serial port or pseudo-terminal of a board that follows it, instead of the simulated plant
     #[arg(long, value_name = "PORT", conflicts_with_all = ["plant", "noise", "seed", "tick", "encoder_step"])]
     pub port: Option<String>,
     /// Baud rate of the port
@@ -61,10 +62,10 @@ pub struct Args {
     /// The plant to simulate [default: the model]
     #[arg(long, value_name = "TRUE.toml")]
     pub plant: Option<PathBuf>,
-    /// How long to follow, s [default: ten periods, four strokes, the file]
+    /// How long to follow, s [default: ten periods, four strokes or the whole file]
     #[arg(long, value_name = "S", value_parser = positive)]
     pub duration: Option<f64>,
-    /// Time at the beginning that errors do not count, s [default: a fifth]
+    /// Time at the start in which errors are not counted, s [default: a fifth]
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub settle: Option<f64>,
     /// Standard deviation of the simulated position noise, position units

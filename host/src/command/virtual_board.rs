@@ -19,7 +19,7 @@ use crate::model::Model;
   breakaway run suite --port PORT -o session        (PORT as printed, in another terminal)
 
 It runs until Ctrl-C. Needs the firmware's image and qemu-system-arm: cargo xtask image builds the one and fetches the
-other; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant the plant of the papers is taken. The board's
+other; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant it simulates the reference plant of docs/theory.md, section 2. The board's
 settings start as the options say: encoder step, drive at full scale, units of the plant; with --flash they are kept as
 on a real board.
 
@@ -29,7 +29,7 @@ corrupt-flash (TICK 0, with --flash), healed. TICK counts from the start.
 
 JSON: port, board, tick_hz; printed when the board is ready.")]
 pub struct Args {
-    /// The plant to simulate, with any effects [default: the papers' plant]
+    /// The plant to simulate, with any effects [default: the reference plant, docs/theory.md section 2]
     #[arg(long, value_name = "MODEL.toml")]
     pub plant: Option<PathBuf>,
     /// Control ticks per second

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::ControlError;
 use super::design::Design;
+use crate::file::read_as;
 use crate::file::write_whole;
-use crate::mistaken::seems;
+use crate::mistaken::Content;
 use crate::model::Model;
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -91,21 +92,7 @@ impl Design {
     /// # Errors
     /// [`ControlError`], with file and line.
     pub fn read(path: &Path) -> Result<Self, ControlError> {
-        let file = path.display().to_string();
-        let content = std::fs::read(path).map_err(|source| ControlError::Read { file: file.clone(), source })?;
-        let other = || seems(&content).filter(|found| !["a controller (TOML)", "a TOML file"].contains(found));
-        let refused = |error| match other() {
-            Some(found) => {
-                let reason = format!("it is {found}; `breakaway tune MODEL.toml -o FILE` writes a controller");
-                ControlError::Malformed { file: file.clone(), reason }
-            }
-            None => error,
-        };
-        let text = std::str::from_utf8(&content).map_err(|source| {
-            let source = std::io::Error::new(std::io::ErrorKind::InvalidData, source);
-            refused(ControlError::Read { file: file.clone(), source })
-        })?;
-        Self::parse(&file, text).map_err(refused)
+        read_as(path, Content::Controller, Self::parse)
     }
 
     /// Reads a controller from text; `file` is its name in messages.

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use breakaway_core::control::{Fast, Phases, Profile, Samples, Setpoint, Sine};
 
-use super::{ControlError, trajectory_reason};
+use super::ControlError;
 use crate::recording::{ReadOptions, Signal};
 
 /// What is followed, relative to the start.
@@ -103,8 +103,7 @@ impl Reference {
         let each = |at: &dyn Fn(u32) -> Setpoint<R>| (0..ticks as u32).map(at).collect();
         match self {
             Self::Sine { amplitude, frequency_hz } => {
-                let sine =
-                    Sine::new(*amplitude, *frequency_hz, tick_s).map_err(|e| self.wrong(trajectory_reason(e)))?;
+                let sine = Sine::new(*amplitude, *frequency_hz, tick_s).map_err(|e| self.wrong(&e))?;
                 Ok(each(&|k| sine.at(k)))
             }
             Self::Profile { .. } => {
@@ -113,7 +112,7 @@ impl Reference {
             }
             Self::File(_) => {
                 let x: Vec<R> = self.samples(tick_s)?.into_iter().map(R::from_f64).collect();
-                let samples = Samples::new(&x, tick_s).map_err(|e| self.wrong(trajectory_reason(e)))?;
+                let samples = Samples::new(&x, tick_s).map_err(|e| self.wrong(&e))?;
                 Ok(each(&|k| samples.at(k)))
             }
         }
@@ -131,12 +130,12 @@ impl Reference {
             None => Profile::<f64>::trapezoid_phases(distance, speed, acceleration, tick_s),
             Some(jerk) => Profile::<f64>::s_curve_phases(distance, speed, acceleration, jerk, tick_s),
         };
-        let phases = phases.map_err(|error| self.wrong(trajectory_reason(error)))?;
+        let phases = phases.map_err(|error| self.wrong(&error))?;
         Ok(Some((phases, (rest_s / tick_s).ceil() as u32)))
     }
 
-    fn wrong(&self, reason: &str) -> ControlError {
-        ControlError::Reference { text: self.to_string(), reason: reason.to_owned() }
+    fn wrong(&self, reason: &(impl ToString + ?Sized)) -> ControlError {
+        ControlError::Reference { text: self.to_string(), reason: reason.to_string() }
     }
 
     fn profile<R: Fast>(&self, tick_s: f64) -> Result<Option<Profile<R>>, ControlError> {
@@ -147,15 +146,14 @@ impl Reference {
         }
         .and_then(|profile| profile.back_and_forth(rest_s))
         .map(Some)
-        .map_err(|error| self.wrong(trajectory_reason(error)))
+        .map_err(|error| self.wrong(&error))
     }
 
     /// The file's positions relative to its first, at every tick: cubic between its samples (Catmull and Rom), so that the
     /// velocity has no steps.
     fn samples(&self, tick_s: f64) -> Result<Vec<f64>, ControlError> {
         let Self::File(path) = self else { return Ok(Vec::new()) };
-        let signal = Signal::read(path.as_ref(), None, &ReadOptions::default())
-            .map_err(|error| self.wrong(&error.to_string()))?;
+        let signal = Signal::read(path.as_ref(), None, &ReadOptions::default()).map_err(|error| self.wrong(&error))?;
         let (t, y) = (&signal.t, &signal.y);
         let (first, last) = (t[0], t[t.len() - 1]);
         let count = ((last - first) / tick_s).floor();

@@ -36,7 +36,6 @@ pub fn refusal(error: &CommandError) -> String {
         CommandError::Malformed => {
             format!("it cannot read it (frames have at most {MAX_FRAME} bytes); please report this")
         }
-        CommandError::Range(field) => format!("{} is out of range: it must be {}", field.name(), field.need()),
         CommandError::Settings(field) => {
             format!("{} is out of range: it must be {}; no setting was changed", field.name(), field.need())
         }
@@ -46,14 +45,11 @@ pub fn refusal(error: &CommandError) -> String {
         CommandError::Faulted => {
             "a fault is latched: read it (`breakaway device … fault`), remove its cause, `clear` it".into()
         }
-        CommandError::NothingRecorded => "there is nothing to identify: run a relay experiment on it first".into(),
-        CommandError::Storage => "its flash could not be written; what was saved before is still there".into(),
-        CommandError::Unsupported => "this board or firmware cannot do it".into(),
-        CommandError::FaultPersists => "the cause of the fault is still there; remove it first".into(),
         CommandError::OutsideTravel => {
             "the axis stands outside the travel limits: move it back, or change travel_min_counts and travel_max_counts"
                 .into()
         }
+        other => other.to_string(),
     }
 }
 

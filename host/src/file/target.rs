@@ -39,7 +39,7 @@ pub enum TargetError {
         /// What would be written.
         kind: FileKind,
         /// What is there, if that can be told.
-        found: Option<&'static str>,
+        found: Option<crate::mistaken::Content>,
     },
     /// Two results in one place.
     #[error("{file} is given for two results; give each a name of its own")]

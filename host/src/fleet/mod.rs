@@ -1,7 +1,7 @@
 //! A fleet: one folder of recordings per machine, one discovery each, one table over all.
 //!
-//! What a machine's discovery was made of (hashes of its inputs, version, options) is kept in its result, so that a run
-//! that was cut off, or that has new machines, works only on what is not there yet.
+//! A machine's result holds what it was made of: hashes of its inputs, version and options. A run that was cut off, or
+//! that has new machines, therefore works only on what is missing.
 
 pub mod hash;
 pub mod machine;

@@ -1,6 +1,6 @@
 //! Relay limit cycles among the recordings: what the streaming estimators of the board make of them.
 //!
-//! `modulating` and `describing_function` (identification.md section 4, items 4 and 3) stand beside the host's own
+//! `modulating` and `describing_function` (docs/theory.md, section 4, items 4 and 3) stand beside the host's own
 //! estimates: the first is what a board reports, the second the closed form with its known bias.
 
 use std::f64::consts::{FRAC_PI_4, TAU};

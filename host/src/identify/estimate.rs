@@ -6,12 +6,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cycles;
 use super::shooting::{self, Candidate, Fit, Free, Problem};
+use super::slow_log;
 use super::swapped;
 use super::track::{self, Track, median};
 use super::weak::{self, WeakFit, Window};
 use crate::recording::Recording;
 
-/// Segments of the output-error fit, s (discovery.md, method step 1).
+/// Segments of the output-error fit, s (docs/theory.md, section 5).
 pub const FIT_SEGMENT_S: f64 = 0.4;
 /// Most segments that are simulated; longer sessions are sampled evenly.
 pub const MAX_SEGMENTS: usize = 160;
@@ -148,6 +149,16 @@ pub enum IdentifyError {
 /// # Errors
 /// [`IdentifyError`] says what is missing and which experiment would supply it.
 pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+    let mut identified = assuming_held(recordings)?;
+    if slow_log::is_slow(recordings) {
+        identified = slow_log::with_unknown_drive(identified, recordings);
+    }
+    identified.load = significant_load(&identified.best);
+    Ok(identified)
+}
+
+/// Identifies with the drive held from row to row.
+pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     if recordings.is_empty() {
         return Err(IdentifyError::Nothing);
     }
@@ -211,17 +222,14 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         let advice = "the axis accelerates too little: record faster reversals, such as a relay experiment";
         return Err(IdentifyError::Undetermined { parameter: "b", advice });
     }
-    let load = best.load.filter(|load| {
-        load.value.abs() > LOAD_SIGNIFICANCE.0 * load.se && load.value.abs() > LOAD_SIGNIFICANCE.1 * best.f1.value
-    });
     let mut remarks = remarks(&estimates, white, simulation_error / noise);
     let cycles = cycles::estimates(recordings, &tracks);
     estimates.extend(cycles.estimates);
     remarks.extend(cycles.remarks);
     Ok(Identified {
+        load: significant_load(&best),
         best,
         estimates,
-        load,
         undetermined,
         noise,
         simulation_error,
@@ -230,6 +238,12 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
         remarks,
         fit,
     })
+}
+
+/// The load, where it exceeds its error and a share of the Coulomb friction.
+fn significant_load(best: &Estimate) -> Option<Value> {
+    let (errors, share) = LOAD_SIGNIFICANCE;
+    best.load.filter(|load| load.value.abs() > (errors * load.se).max(share * best.f1.value))
 }
 
 /// Whether a friction is negative by more than its error.
@@ -347,7 +361,7 @@ fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {
     problem.fit(&candidate, &Free::all(&candidate.effects), None, 15).ok()
 }
 
-fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) {
+pub(super) fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) {
     for (parameter, value, advice) in [
         ("b", estimate.b, "record faster reversals: a relay experiment with a larger h1"),
         ("c", estimate.c, "record higher speeds, or relay experiments with different h2"),
@@ -366,12 +380,14 @@ fn weakly_determined(estimate: &Estimate, undetermined: &mut Vec<Undetermined>) 
 }
 
 fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
-    let mut remarks =
-        vec!["c is Ke + f2: back-EMF and viscous friction act alike and position data cannot split them".into()];
+    let mut remarks = vec![
+        "c is back-EMF and viscous friction together (Ke + f2): they act alike, and position data cannot split them"
+            .into(),
+    ];
     if !white {
         remarks.push(format!(
-            "the residual is not white: the simulation misses the recording by {ratio:.1} times the noise. Something is missing \
-             in the model here; `breakaway discover` looks for it"
+            "the simulation misses the recording by {ratio:.1} times the noise, so the model misses something; `breakaway \
+             discover` looks for it"
         ));
     }
     if let [weak, simulated] = estimates {
@@ -379,20 +395,20 @@ fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
         let differ = differ(weak.b, simulated.b) || differ(weak.c, simulated.c) || differ(weak.f1, simulated.f1);
         if differ && white {
             remarks.push(
-                "the two estimates differ by more than their errors, but the simulation follows the recording down to its \
-                 noise: noise and reversals within its windows bias the weak form. The output-error numbers are reported"
+                "weak_form and output_error differ by more than their errors. The simulation follows the recording down to its \
+                 noise, so the weak form is biased, by noise or by reversals within its windows. The output-error numbers are \
+                 reported"
                     .into(),
             );
         } else if differ {
             remarks.push(
-                "the two estimates differ by more than their errors, because the model misses something: equation error \
-                 weighs the forces in windows of 40 ms, simulation weighs positions over 0.4 s, where a missing force has been \
-                 integrated twice and is charged to the base. The equation-error numbers are reported, as they are less biased"
+                "weak_form and output_error differ by more than their errors, because the model misses something. A missing \
+                 force biases the simulation over 0.4 s more than the forces over 40 ms. The weak-form numbers are reported"
                     .into(),
             );
         } else {
             remarks.push(format!(
-                "the two estimates agree within their errors: by simulation b differs by {:+.1} % from that by equation error",
+                "weak_form and output_error agree within their errors; b differs by {:+.1} %",
                 100.0 * (simulated.b.value / weak.b.value - 1.0)
             ));
         }

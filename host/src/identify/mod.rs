@@ -6,6 +6,7 @@ pub mod dual;
 pub mod estimate;
 pub mod relay;
 pub mod shooting;
+mod slow_log;
 mod swapped;
 pub mod track;
 pub mod weak;

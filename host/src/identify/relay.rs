@@ -1,4 +1,4 @@
-//! Relay runs: how the experiment ended (identification.md section 2).
+//! Relay runs: how the experiment ended (docs/theory.md, section 2).
 
 use breakaway_core::estimate::limit_cycle::{
     DetectorError, DetectorSettings, Limit, LimitCycle, LimitCycleDetector, NoLimitCycleReason, RelayOutcome,

@@ -8,10 +8,11 @@ use crate::recording::Recording;
 /// the drive follow the position, and the two then look alike to a factor of two or three.
 const MUCH_BETTER: f64 = 0.2;
 
-/// Root mean square of the drive, over the drive's, that stays unexplained with drive and position in each other's place, if
-/// that is an axis (inertia positive beyond its error, no friction negative) and if it is less than the `left` of them as they
-/// are: by any amount where `any` suffices, else much less. An axis taken the wrong way round leads its drive, as if friction
-/// gave power.
+/// Swaps drive and position, and returns the root mean square of the drive that stays unexplained then, over the drive's.
+///
+/// `None` if the swapped columns are no axis: inertia must be positive beyond its error, and no friction negative. `None`
+/// too if they do not explain more than the columns as they are, which leave `left`: by any amount if `any`, else by much.
+/// An axis whose columns are swapped leads its drive, as if friction gave power.
 pub(super) fn explains_more(recordings: &[Recording], left: f64, any: bool) -> Option<f64> {
     let swap = |r: &Recording| Recording { u: r.x.clone(), x: r.u.clone(), encoder_step: None, ..r.clone() };
     let windows = weak::windows(&track::session(&recordings.iter().map(swap).collect::<Vec<_>>()));

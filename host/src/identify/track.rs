@@ -2,12 +2,12 @@
 
 use crate::recording::Recording;
 
-/// Half-width of the local cubic, s (discovery.md, method step 1); at least [`MIN_HALF_SAMPLES`] samples.
+/// Half-width of the local cubic, s (docs/theory.md, section 5); at least [`MIN_HALF_SAMPLES`] samples.
 pub(super) const HALF_WIDTH_S: f64 = 0.010;
 const MIN_HALF_SAMPLES: usize = 4;
 
-/// A clock is not believed of which an interval is off the median one by more than this share: then others may be by less
-/// than its stamps tell.
+/// Largest difference of an interval from a whole number of median ones, as a share of the median. A clock with a larger one
+/// is not believed: its other stamps may be wrong too.
 const IRREGULAR: f64 = 0.3;
 /// Interval over which the typical acceleration is taken, s: long enough that the noise does not count.
 const ACCELERATION_S: f64 = 0.1;
@@ -152,7 +152,8 @@ impl Track {
         track.typical_speed = root_mean_square(track.vs.iter().copied());
         let least = recording.encoder_step.unwrap_or(0.0) * 0.05;
         track.sigma = noise(&residuals, &track.vs, half).max(least);
-        let regular = intervals.iter().all(|dt| (dt / ts - 1.0).abs() < IRREGULAR);
+        // Where rows are lost, a regular clock has gone on by whole intervals.
+        let regular = intervals.iter().all(|dt| (dt / ts - (dt / ts).round().max(1.0)).abs() < IRREGULAR);
         if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten()
             && sigma > ROUNDING * track.x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
         {

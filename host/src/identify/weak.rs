@@ -1,4 +1,4 @@
-//! Equation error in weak form (discovery.md, method step 2).
+//! Equation error in weak form (docs/theory.md, section 5).
 //!
 //! Over windows of ±20 ms, with the test function `φ = (1 − s²)⁴`, the equation of motion is integrated against φ and
 //! its derivatives are moved onto φ:
@@ -17,6 +17,8 @@ use super::track::Track;
 /// Half-width of a window, s; at least [`MIN_HALF_SAMPLES`] samples.
 pub const HALF_WIDTH_S: f64 = 0.020;
 const MIN_HALF_SAMPLES: usize = 8;
+/// Longest sample interval at which windows keep their standard width, s.
+pub(super) const STANDARD_INTERVAL_S: f64 = HALF_WIDTH_S / MIN_HALF_SAMPLES as f64;
 /// ∫(1−s²)⁴ ds and ∫s²(1−s²)⁴ ds over −1..1.
 const I0: f64 = 256.0 / 315.0;
 const I2: f64 = 256.0 / 3465.0;

@@ -1,46 +1,19 @@
 //! What can be wrong with a model file.
 
 use std::borrow::Cow;
-use std::io;
 
 use breakaway_core::plant::PlantError;
 
+use crate::file::FileError;
 use crate::nearest::did_you_mean;
 
 /// Why a model file cannot be used or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no such file.
-    #[error("{file}: no such file; check the path")]
-    NotFound {
-        /// The file's name as it was given.
-        file: String,
-    },
-    /// A file of another kind.
-    #[error("{file} is {found}, not a model (TOML with [base]){}", what_then(found))]
-    OtherFile {
-        /// The file's name as it was given.
-        file: String,
-        /// What it seems to be, with an article.
-        found: &'static str,
-    },
-    /// The system could not read the file, or it is not UTF-8.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file's name as it was given.
-        file: String,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The system could not write the file; an earlier file of that name is untouched.
-    #[error("{file}: cannot be written; nothing was changed")]
-    Write {
-        /// The file's name as it was given.
-        file: String,
-        /// What the system said.
-        source: io::Error,
-    },
+    /// The file could not be read or written, or is of another kind.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// Not TOML.
     #[error("{file}:{line}: not valid TOML: {message}")]
     Syntax {
@@ -93,15 +66,6 @@ pub enum ModelError {
         /// What it must be.
         expected: Cow<'static, str>,
     },
-}
-
-/// What to do about a file of another kind.
-fn what_then(found: &str) -> &'static str {
-    if found.contains("controller") {
-        "; give the model it was tuned from, or by --controller the controller"
-    } else {
-        "; check the order of the arguments"
-    }
 }
 
 /// The parameter a [`PlantError`] names, and its range.

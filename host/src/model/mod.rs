@@ -1,5 +1,6 @@
 //! Model files: the base plant with standard errors, units, and named effects, as TOML a person can read and edit.
 
+mod angle;
 pub mod catalogue;
 mod effects;
 mod error;

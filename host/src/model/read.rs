@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
 use std::path::Path;
 
 use breakaway_core::plant::Base;
@@ -13,7 +11,8 @@ use toml::de::{DeTable, DeValue};
 use super::effects::known_effect;
 use super::error::out_of_range;
 use super::{BaseSe, EffectEntry, Model, ModelError, known_effects};
-use crate::mistaken::seems;
+use crate::file::read_as;
+use crate::mistaken::Content;
 use crate::nearest::nearest;
 use crate::recording::Units;
 
@@ -25,18 +24,7 @@ impl Model {
     /// # Errors
     /// [`ModelError`], with file, line and the nearest valid name.
     pub fn read(path: &Path) -> Result<Self, ModelError> {
-        let file = path.display().to_string();
-        let content = fs::read(path).map_err(|source| match source.kind() {
-            io::ErrorKind::NotFound => ModelError::NotFound { file: file.clone() },
-            _ => ModelError::Read { file: file.clone(), source },
-        })?;
-        let other = || seems(&content).filter(|found| *found != "a model (TOML)" && *found != "a TOML file");
-        let refused = |error| other().map_or(error, |found| ModelError::OtherFile { file: file.clone(), found });
-        let text = std::str::from_utf8(&content).map_err(|source| {
-            let source = io::Error::new(io::ErrorKind::InvalidData, source);
-            refused(ModelError::Read { file: file.clone(), source })
-        })?;
-        Self::parse(&file, text).map_err(refused)
+        read_as(path, Content::Model, Self::parse)
     }
 
     /// Reads a model from text; `file` is its name in messages.

@@ -5,16 +5,16 @@ use std::path::Path;
 
 use super::effects::known_effect;
 use super::{EffectEntry, Model, ModelError, catalogue};
-use crate::file::write_whole;
+use crate::file::{FileError, write_whole};
 
 impl Model {
     /// Writes the model to `path`, whole or not at all.
     ///
     /// # Errors
-    /// [`ModelError::Write`]; a file already there is then untouched.
+    /// [`FileError::Write`]; a file already there is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), ModelError> {
         write_whole(path, |out| out.write_all(self.to_toml().as_bytes()))
-            .map_err(|source| ModelError::Write { file: path.display().to_string(), source })
+            .map_err(|source| FileError::writing(path, &source).into())
     }
 
     /// The model as TOML; numbers have the fewest digits that give the same bits back.

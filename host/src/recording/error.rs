@@ -4,13 +4,12 @@ mod clock;
 mod place;
 mod session;
 
-use std::io;
-
 pub use clock::ClockError;
 pub use place::Place;
 pub use session::SessionError;
 
 use super::limits::{MAX_COLUMNS, MAX_ROW_BYTES};
+use crate::file::FileError;
 use crate::nearest::did_you_mean;
 
 /// Why a file is not a recording that can be used, or could not be written.
@@ -23,12 +22,9 @@ pub enum RecordingError {
     /// What is wrong with a session of recordings.
     #[error(transparent)]
     Session(#[from] SessionError),
-    /// There is no such file.
-    #[error("{file}: no such file; check the path")]
-    NotFound {
-        /// The file's name as it was given.
-        file: String,
-    },
+    /// The file could not be read or written, or is of another kind.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A folder.
     #[error("{file} is a folder, not a recording; name the files in it, such as {files}")]
     Folder {
@@ -36,33 +32,6 @@ pub enum RecordingError {
         file: String,
         /// The recordings that are or would be in it.
         files: String,
-    },
-    /// A file of another kind.
-    #[error(
-        "{file} is {found}, not a recording (CSV with a header row); {}",
-        if found.contains("TOML") { "check the order of the arguments: a model is given by --model" } else { "give the log as CSV" }
-    )]
-    OtherFile {
-        /// The file's name as it was given.
-        file: String,
-        /// What it seems to be, with an article.
-        found: &'static str,
-    },
-    /// The system could not open or read the file.
-    #[error("{file}: cannot be read")]
-    Read {
-        /// The file's name as it was given.
-        file: String,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The system could not write the file; an earlier file of that name is untouched.
-    #[error("{file}: cannot be written; nothing was changed")]
-    Write {
-        /// The file's name as it was given.
-        file: String,
-        /// What the system said.
-        source: io::Error,
     },
     /// No bytes, or nothing but comments and blank lines.
     #[error("{file}: the file is empty; a recording has a header row such as `t,u,x` and one row per sample")]

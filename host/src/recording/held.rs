@@ -18,6 +18,11 @@ const LEAST: usize = 16;
 /// Least share of refreshes that come later than the next row: a period of 1.2 rows. A sensor that is read for every row has
 /// at most some 5 %, where the axis sticks and slips within a few rows.
 const LATE: f64 = 0.2;
+/// Share of changes against the one before from which the position is noisy: of an encoder's step, or more. A value then
+/// repeats by chance up to two steps per row, and moves by several at once.
+const NOISY: f64 = 0.05;
+/// Steps per row from which a noisy position repeats in less than a tenth of the rows, whatever its noise.
+const FAST_IN_NOISE: f64 = 3.0;
 
 /// Fewest different sizes of change at speed: an encoder whose step is printed with few digits has two at one speed.
 const SIZES: usize = 3;
@@ -49,8 +54,8 @@ struct Interval {
 }
 
 impl Recording {
-    /// How the position is held between refreshes of its sensor, or `None` where every row has a position of its own, or
-    /// where there is too little motion, or too much of one speed, to tell.
+    /// How the position is held between refreshes of its sensor. `None` where every row has a position of its own, and
+    /// where too little motion, or motion at one speed, does not tell.
     pub fn held(&self) -> Option<Held> {
         let mut intervals = self.intervals_at_speed();
         let count = intervals.len();
@@ -78,7 +83,9 @@ impl Recording {
 
     /// Intervals between successive changes of the position, within the pieces, where both changes are at speed.
     fn intervals_at_speed(&self) -> Vec<Interval> {
-        let fast = FAST * smallest_change(&self.x);
+        let step = smallest_change(&self.x);
+        let fast = FAST * step;
+        let fast_per_row = if self.is_noisy() { FAST_IN_NOISE * step } else { 0.0 };
         let mut found = Vec::new();
         for piece in self.pieces() {
             // Row of the last change, and its size.
@@ -91,7 +98,8 @@ impl Recording {
                 if let Some((before, size)) = last {
                     let (small, large) = (size.abs().min(change.abs()), size.abs().max(change.abs()));
                     // Differences of rounded positions are off in their last digits.
-                    let at_speed = small > 0.99 * fast && large <= SAME_SPEED * small;
+                    let least = fast.max(fast_per_row * (row - before) as f64);
+                    let at_speed = small > 0.99 * least && large <= SAME_SPEED * small;
                     if at_speed && (size > 0.0) == (change > 0.0) {
                         found.push(Interval { rows: row - before, seconds: self.t[row] - self.t[before], size: small });
                     }
@@ -100,6 +108,18 @@ impl Recording {
             }
         }
         found
+    }
+
+    /// Whether the position often changes against its change before.
+    fn is_noisy(&self) -> bool {
+        let (mut changes, mut against) = (0_usize, 0_usize);
+        for piece in self.pieces() {
+            let steps = self.x[piece].windows(2).map(|w| w[1] - w[0]).filter(|change| *change != 0.0);
+            let signs: Vec<bool> = steps.map(|change| change > 0.0).collect();
+            changes += signs.len();
+            against += signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        }
+        against as f64 > NOISY * changes as f64
     }
 }
 
@@ -180,6 +200,24 @@ mod tests {
             assert_eq!(recorded(1000.0, 0.001, 0.01, |t| amplitude * swing(t)).held(), None, "{amplitude}");
             let flicker = |t: f64| amplitude * swing(t) + 0.004 * (7919.0 * t).sin();
             assert_eq!(recorded(1000.0, 0.001, 0.01, flicker).held(), None, "{amplitude}");
+        }
+    }
+
+    /// Noise of a step repeats values at two steps per row too, as in the standard suite's slow sines. Speeds up to 0.9, 1.9,
+    /// 3.1 and 6.3 steps per row.
+    #[test]
+    fn noise_of_a_step_is_not_held() {
+        for amplitude in [3.0, 6.0, 10.0, 20.0] {
+            let mut state = 1_u32;
+            let mut uniform = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(state) / f64::from(u32::MAX) - 0.5
+            };
+            let mut noisy = recorded(1000.0, 0.001, 0.0, |t| amplitude * swing(t));
+            // The sum of twelve has a standard deviation of 1.
+            noisy.x.iter_mut().for_each(|x| *x += 0.01 * (0..12).map(|_| uniform()).sum::<f64>());
+            noisy.x.iter_mut().for_each(|x| *x = (*x / 0.01).round() * 0.01);
+            assert_eq!(noisy.held(), None, "{amplitude}");
         }
     }
 

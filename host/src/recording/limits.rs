@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::rc::Rc;
 
 use super::error::RecordingError;
+use crate::file::FileError;
 
 /// Most bytes before the end of a row: as many columns as there may be, of 64 characters each.
 pub const MAX_ROW_BYTES: usize = 1 << 20;
@@ -35,9 +36,11 @@ impl Meter {
     }
 
     /// What an error of the reader means.
-    pub(super) fn error(&self, file: &str, line: u64, source: io::Error) -> RecordingError {
-        let file = file.to_owned();
-        if self.exceeded.get() { RecordingError::LongRow { file, line } } else { RecordingError::Read { file, source } }
+    pub(super) fn error(&self, file: &str, line: u64, source: &io::Error) -> RecordingError {
+        if self.exceeded.get() {
+            return RecordingError::LongRow { file: file.to_owned(), line };
+        }
+        FileError::reading(file, source).into()
     }
 }
 
@@ -79,7 +82,7 @@ mod tests {
     fn a_row_without_end_fails_and_rows_that_end_do_not() {
         let (mut input, meter) = Limited::new(io::repeat(0));
         let read = input.read_to_end(&mut Vec::new());
-        assert!(matches!(meter.error("a", 7, read.unwrap_err()), RecordingError::LongRow { line: 7, .. }));
+        assert!(matches!(meter.error("a", 7, &read.unwrap_err()), RecordingError::LongRow { line: 7, .. }));
         let (mut input, meter) = Limited::new(io::repeat(b'\n'));
         let mut buffer = vec![0; BUFFER];
         for _ in 0..100 {

@@ -3,6 +3,7 @@
 //! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
+mod angle;
 mod clock;
 mod error;
 mod field;
@@ -26,7 +27,7 @@ mod write;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 
 pub use clock::TimeUnit;
@@ -42,6 +43,8 @@ pub use units::Units;
 pub use wrap::Wrap;
 
 use table::{Table, Wanted};
+
+use crate::file::FileError;
 
 /// Fewest rows of a file that are worth reading: twice the four unknowns of a sine fit.
 pub const MIN_ROWS: usize = 8;
@@ -136,7 +139,7 @@ impl Recording {
 /// Opens a recording's file.
 ///
 /// # Errors
-/// [`RecordingError::NotFound`] or [`RecordingError::Read`].
+/// [`FileError`] as [`RecordingError::File`]; [`RecordingError::Folder`].
 pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
     let file = path.display().to_string();
     if path.is_dir() {
@@ -145,10 +148,7 @@ pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
         let files = part.unwrap_or_default().join("*.csv").display().to_string();
         return Err(RecordingError::Folder { file, files });
     }
-    File::open(path).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => RecordingError::NotFound { file },
-        _ => RecordingError::Read { file, source },
-    })
+    File::open(path).map_err(|source| FileError::reading(&file, &source).into())
 }
 
 /// The name of a recording: its file's, without folder and ending.

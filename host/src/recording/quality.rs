@@ -170,6 +170,7 @@ impl fmt::Display for Warning {
                 write!(out, "{value:e} at t = {t} s is no drive and no position in any unit; repair or remove that row")
             }
             Self::Gaps { count, longest_s } => {
+                let longest_s = (1e6 * longest_s).round() / 1e6;
                 write!(out, "{count} gap(s), the longest {longest_s} s; the recording is used in pieces")
             }
             Self::Jitter { intervals_s: (min, median, max) } => write!(

@@ -87,7 +87,7 @@ impl<R: Read> Rows<'_, R> {
     pub(super) fn next(&mut self, row: &mut ByteRecord) -> Result<bool, RecordingError> {
         loop {
             match self.csv.read_byte_record(row) {
-                Err(error) => return Err(self.meter.error(self.file, self.line + 1, error.into())),
+                Err(error) => return Err(self.meter.error(self.file, self.line + 1, &error.into())),
                 Ok(false) => return Ok(false),
                 Ok(true) => {}
             }

@@ -13,6 +13,8 @@ use super::lines::LineOfRow;
 use super::options::{ReadOptions, Selection};
 use super::quality::Warning;
 use super::rows::{Names, RowReader, Rows};
+use crate::file::FileError;
+use crate::mistaken::{Content, seems};
 
 /// A column that is wanted, and the flag with which the user names it.
 pub(super) struct Wanted<'a> {
@@ -70,8 +72,8 @@ impl Table {
         rows.next(&mut row)?;
         let names = Names::new(file, comments + 1, &row)?;
         // A file that is no recording at all has no such column either, and says so better.
-        let other = |error| match crate::mistaken::seems(&first_row) {
-            Some(found) => RecordingError::OtherFile { file: file.to_owned(), found },
+        let other = |error| match seems(&first_row) {
+            Some(found) => FileError::OtherKind { file: file.to_owned(), wanted: Content::Recording, found }.into(),
             None => error,
         };
         let clock = clock(options, &header, &names).map_err(other)?;
@@ -183,9 +185,9 @@ fn read_header(
     loop {
         line.clear();
         if let Err(error) = input.read_until(b'\n', &mut line) {
-            return Err(match crate::mistaken::seems(&line) {
-                Some(found) => RecordingError::OtherFile { file: file.to_owned(), found },
-                None => meter.error(file, before + 1, error),
+            return Err(match seems(&line) {
+                Some(found) => FileError::OtherKind { file: file.to_owned(), wanted: Content::Recording, found }.into(),
+                None => meter.error(file, before + 1, &error),
             });
         }
         if line.is_empty() {

@@ -68,8 +68,8 @@ pub(super) struct RollOver {
 }
 
 impl Path<'_> {
-    /// Whether the position rolls over. All its jumps then have one size, reach from one end of its range to the other, and go
-    /// against the motion around them, or by a full turn of the unit or of a binary counter.
+    /// Whether the position rolls over. All its jumps then have one size and reach from one end of its range to the other.
+    /// They go against the motion around them, or by a full turn of the unit or of a binary counter.
     pub(super) fn roll_over(&self, unit: &str) -> Option<RollOver> {
         let rows = 1..self.x.len();
         let sizes = || rows.clone().map(|row| self.change(row).abs());

@@ -5,16 +5,15 @@ use std::path::Path;
 
 use super::header::one_line;
 use super::{Recording, RecordingError};
-use crate::file::write_whole;
+use crate::file::{FileError, write_whole};
 
 impl Recording {
     /// Writes the recording to `path`, whole or not at all, with columns `t,u,x` and a header of units and provenance.
     ///
     /// # Errors
-    /// [`RecordingError::Write`]; a file already there is then untouched.
+    /// [`FileError::Write`]; a file already there is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), RecordingError> {
-        write_whole(path, |mut out| self.write_to(&mut out))
-            .map_err(|source| RecordingError::Write { file: path.display().to_string(), source })
+        write_whole(path, |mut out| self.write_to(&mut out)).map_err(|source| FileError::writing(path, &source).into())
     }
 
     /// Writes the recording as CSV. Floats have the fewest digits that give the same bits back.

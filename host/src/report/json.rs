@@ -1,4 +1,4 @@
-//! The JSON of `discover` (cli.md): the same content as the report. A number that is not known is `null`.
+//! The JSON of `discover` (docs/formats.md, section "JSON results"): the same content as the report. A number that is not known is `null`.
 
 use std::collections::BTreeMap;
 

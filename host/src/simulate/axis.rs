@@ -180,7 +180,7 @@ impl Controller {
             Excitation::Relay { h1, h2, hysteresis, .. } => {
                 let (count, counts) = relay_resolution(hysteresis, experiment.sensor);
                 let relay = DualRelay::with_real_drive(h1, h2, counts)
-                    .map_err(|error| SimulateError::Relay(format!("{error:?}").to_lowercase()))?;
+                    .map_err(|error| SimulateError::Relay(error.to_string()))?;
                 Self::Relay(relay, DualRelayState::new(), count)
             }
             Excitation::Multisine { amplitude, from_hz, to_hz, centring } => {

@@ -1,6 +1,6 @@
 //! The base plant with a constant load, event-exact: closed form between events, reversals and stick solved for.
 //!
-//! `b·v̇ = u − f0 − c·v − f1·sgn v` with constant u is linear between reversals (identification.md section 1):
+//! `b·v̇ = u − f0 − c·v − f1·sgn v` with constant u is linear between reversals (docs/theory.md, section 1):
 //! `v(t) = v0·e^(−rt) + (w/b)·t·φ1(rt)`, `x(t) = x0 + v0·t·φ1(rt) + (w/b)·t²·φ2(rt)`, `r = c/b`, `w = u − f0 − f1·sgn v`.
 
 use breakaway_core::plant::Base;

@@ -7,7 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use super::SimulateError;
-use crate::mistaken::seems;
+use crate::file::read_as;
+use crate::mistaken::Content;
 
 /// One experiment: an excitation, its clock and the sensor it is seen through.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,7 +60,7 @@ pub struct Sensor {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Excitation {
-    /// Dual relay feedback around a reference (identification.md section 2).
+    /// Dual relay feedback around a reference (docs/theory.md, section 2).
     Relay {
         /// Amplitude on the error.
         h1: f64,
@@ -168,19 +169,7 @@ impl Experiment {
     /// # Errors
     /// What is wrong, with file and line.
     pub fn read(path: &Path) -> Result<Self, SimulateError> {
-        let file = path.display().to_string();
-        let unreadable = |reason: String| SimulateError::Unreadable { file: file.clone(), reason };
-        let content = std::fs::read(path).map_err(|source| unreadable(source.to_string()))?;
-        let other = || seems(&content).filter(|found| !["an experiment (TOML)", "a TOML file"].contains(found));
-        let refused = |error| match other() {
-            Some(found) => SimulateError::Malformed {
-                file: file.clone(),
-                reason: format!("it is {found}; an experiment is a TOML file with [excitation] (docs/formats.md)"),
-            },
-            None => error,
-        };
-        let text = std::str::from_utf8(&content).map_err(|source| refused(unreadable(source.to_string())))?;
-        Self::parse(&file, text).map_err(refused)
+        read_as(path, Content::Experiment, Self::parse)
     }
 
     /// Reads an experiment from text; `file` is its name in messages.

@@ -1,4 +1,4 @@
-//! The exact limit cycle of the base plant under the continuous dual relay (identification.md sections 1 and 2).
+//! The exact limit cycle of the base plant under the continuous dual relay (docs/theory.md, section 2).
 
 use breakaway_core::plant::Base;
 
@@ -200,7 +200,7 @@ fn harmonic(pieces: &[(f64, Arc, f64)], start: f64, omega: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// identification.md section 1, row 6: T and peak to 1e-5 relative; a and X3/X1 to the digits printed there.
+    /// Acceptance row 6 (docs/theory.md, section 2): T and peak to 1e-5 relative; a and X3/X1 to the digits printed there.
     #[test]
     fn row_6_limit_cycles() {
         let base = Base::new(0.02685, 0.11, 0.5).unwrap();

@@ -9,14 +9,9 @@ pub mod suite;
 /// Why an experiment could not be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulateError {
-    /// The experiment file cannot be read.
-    #[error("cannot read the experiment {file}: {reason}")]
-    Unreadable {
-        /// File.
-        file: String,
-        /// The system's reason.
-        reason: String,
-    },
+    /// The experiment file cannot be read, or is of another kind.
+    #[error(transparent)]
+    File(#[from] crate::file::FileError),
     /// The experiment file is not what it should be.
     #[error("{file} is not an experiment: {reason}")]
     Malformed {

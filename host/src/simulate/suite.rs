@@ -1,4 +1,4 @@
-//! The standard suite of experiments (discovery.md, "The standard suite"), sized from the break-away force.
+//! The standard suite of experiments (docs/formats.md, section "The standard suite"), sized from the break-away force.
 
 use super::SimulateError;
 use super::axis::{Axis, Run};

@@ -72,32 +72,21 @@ pub fn fit(signal: &Signal, window: RangeInclusive<f64>, period_s: Option<f64>) 
     search(FrequencySearch::around(line.omega))
 }
 
-/// What the core's error means for the owner of the recording.
+/// What the core's error means for the owner of the recording, who knows periods and `--period`.
 fn in_words(error: &SineError) -> String {
     match error {
-        SineError::TooFewSamples { samples, needed } => {
-            format!("{samples} samples, and the fit needs {needed}; record for longer")
-        }
-        SineError::TooFewCycles { cycles, needed } => format!(
-            "{cycles:.2} cycles, and the fit needs {needed}; record for longer, or give --period if the guess is wrong"
-        ),
-        SineError::NotFinite => "numbers too large to be summed".to_owned(),
-        SineError::TimeOrder { sample } => format!("time does not increase at sample {sample}"),
-        SineError::SamplePeriod => "the sampling period is not positive".to_owned(),
+        SineError::TooFewCycles { .. } => format!("{error}, or give --period if the guess is wrong"),
         SineError::Frequency { limit_rad_s } => {
             format!("the period is too short for the sampling rate: it must be more than {:.4e} s", TAU / limit_rad_s)
         }
-        SineError::SearchRange => "no frequency to look at: the period does not fit the sampling rate".to_owned(),
         SineError::SearchEdge { omega_rad_s } => format!(
             "the best frequency is at the edge of the search (period {:.4e} s); give a better --period, or record more cycles",
             TAU / omega_rad_s
         ),
-        SineError::ZeroSignal => "the signal is constant, there is no sine in it".to_owned(),
-        SineError::Singular => "the samples cannot tell sine and offset apart; record for longer".to_owned(),
         SineError::Recentre { omega_rad_s } => {
             format!("the guess of the frequency is too far off; give --period {:.4e}", TAU / omega_rad_s)
         }
-        SineError::OutOfReach => "the frequency is far from the guess; give a better --period".to_owned(),
-        SineError::Saturated => "the counts left their range".to_owned(),
+        SineError::OutOfReach => format!("{error}; give a better --period"),
+        other => other.to_string(),
     }
 }

@@ -1,4 +1,4 @@
-//! `run`, `simulate`, `identify` and `effects` from outside: exit codes, the JSON documents of cli.md, the files they leave.
+//! `run`, `simulate`, `identify` and `effects` from outside: exit codes, the JSON documents of docs/formats.md, section "JSON results", the files they leave.
 
 use std::fs;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn experiment(folder: &Path, name: &str, duration_s: f64, head: &str, excitation
 }
 
 /// The papers' plant at a tick of 0.1 ms with 1e-4 rad per count. The relay then switches half a tick and one and a half
-/// counts late, which moves T by less than 0.5 % of the exact cycle's 0.723195 s (identification.md section 1).
+/// counts late, which moves T by less than 0.5 % of the exact cycle's 0.723195 s (docs/theory.md, section 2).
 #[test]
 fn a_settled_relay_run_reports_the_limit_cycle() {
     let folder = tempfile::tempdir().unwrap();
@@ -43,7 +43,7 @@ fn a_settled_relay_run_reports_the_limit_cycle() {
     assert!(text(&people.stdout).contains("settled: T = 0.7"), "{}", text(&people.stdout));
 }
 
-/// Each ending of identification.md section 2; (1, 0.49) on f1 = 0.5 is its row 14.
+/// Each ending of docs/theory.md, section 2; (1, 0.49) on f1 = 0.5 is acceptance row 14.
 #[test]
 fn every_ending_is_reported_as_itself() {
     let folder = tempfile::tempdir().unwrap();
@@ -126,7 +126,7 @@ fn relays(folder: &Path) {
     }
 }
 
-/// q = σ = 1e-3, h = (2, 1.5), (1, 0.7): identification.md section 4 and its acceptance row 10 for `modulating`. The
+/// q = σ = 1e-3, h = (2, 1.5), (1, 0.7): docs/theory.md, section 4 and acceptance row 10 for `modulating`. The
 /// describing function's bias is 5–20 % there; the best estimate is held to 0.2 % (its table: 0.00/0.04/0.07 %).
 #[test]
 fn identify_prints_the_document_of_the_contract_and_writes_the_model() {

@@ -18,5 +18,6 @@ mod recording_errors;
 mod recording_strange;
 mod report;
 mod session_commands;
+mod slow_log;
 mod support;
 mod walk;

@@ -49,11 +49,17 @@ fn a_file_of_another_kind_is_recognised() {
         ("tune relay.toml", "relay.toml is an experiment (TOML), not a model"),
         ("tune controller.toml", "give the model it was tuned from"),
         ("tune binary", "binary is binary data, not a model"),
-        ("simulate --model model.toml --experiment rec.csv -o a.csv", "not an experiment: it is a recording (CSV)"),
+        (
+            "simulate --model model.toml --experiment rec.csv -o a.csv",
+            "rec.csv is a recording (CSV), not an experiment",
+        ),
         ("simulate --model relay.toml --experiment model.toml -o a.csv", "is an experiment (TOML), not a model"),
-        ("run model.toml -o a", "model.toml is not an experiment: it is a model (TOML)"),
+        ("run model.toml -o a", "model.toml is a model (TOML), not an experiment (TOML with [excitation])"),
         ("run suit -o a", "suit: no such file; EXPERIMENT is a TOML file, or the word `suite`"),
-        ("track --model model.toml --controller model.toml", "not a controller: it is a model (TOML); `breakaway tune"),
+        (
+            "track --model model.toml --controller model.toml",
+            "is a model (TOML), not a controller (TOML); `breakaway tune",
+        ),
         ("virtual-board --image model.toml", "model.toml is not a firmware image (ELF)"),
     ] {
         let run = breakaway(folder.path(), line);

@@ -105,3 +105,33 @@ fn a_name_that_is_no_text_is_read() {
         assert_eq!(run.status.code(), Some(0), "{command}: {}", text(&run.stderr));
     }
 }
+
+/// Gravity is a law of an angle. A position in degrees is converted, so that it is named there as it is in rad, with the same
+/// force; it was called cogging.
+#[test]
+fn gravity_is_named_in_degrees() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let model = "[base]\nb = 0.02685\nc = 0.11\nf1 = 0.5\n[[effect]]\nname = \"gravity_load\"\nm = 0.3\nphi = 0.2\n";
+    fs::write(place.join("axis.toml"), model).unwrap();
+    let session = json(place, &["run", "suite", "--model", "axis.toml", "--tick", "0.002", "-o", "s"]);
+    let mut files = Vec::new();
+    for entry in session["recordings"].as_array().unwrap().iter().filter(|entry| entry["role"] == "fit") {
+        let file = entry["file"].as_str().unwrap();
+        let recording = fs::read_to_string(place.join(file)).unwrap();
+        let rows = recording.lines().filter(|line| !line.starts_with(['#', 't'])).map(|line| {
+            let (rest, x) = line.rsplit_once(',').unwrap();
+            format!("{rest},{}\n", x.parse::<f64>().unwrap().to_degrees())
+        });
+        let name = format!("{}-deg.csv", Path::new(file).file_stem().unwrap().to_string_lossy());
+        fs::write(place.join(&name), "t,u,x_deg\n".to_owned() + &rows.collect::<String>()).unwrap();
+        files.push(name);
+    }
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    let found = json(place, &[&["discover", "--position", "x_deg"], files.as_slice()].concat());
+    assert_eq!(found["effects"][0]["name"], "gravity_load", "{}", found["effects"]);
+    // 1 %: the sensor's step is a thousandth of a radian, as for the suite's other acceptance numbers.
+    let m = found["effects"][0]["parameters"]["m"]["value"].as_f64().unwrap();
+    assert!((m - 0.3).abs() < 0.003, "{m}");
+    assert!(found["remarks"].to_string().contains("converted from deg to rad"), "{}", found["remarks"]);
+}

@@ -14,10 +14,8 @@ use commands::{Program, lines, root, shown};
 
 /// Commands that need a board, or wait for Ctrl-C.
 const BOARD: [&str; 5] = ["--port", "virtual-board", "capture", "monitor", "device"];
-/// Added to lines of the README: 250 samples per second instead of 1000, and the demo beside the rest. The suite without a
-/// model replaces the session of the one with it.
-const SMALLER: [(&str, &str); 3] =
-    [("run suite -o session", "--tick 0.004 --force"), ("run suite", "--tick 0.004"), ("demo", "-o demo")];
+/// Added to lines of the README: 250 samples per second instead of 1000, and the demo beside the rest.
+const SMALLER: [(&str, &str); 2] = [("run suite", "--tick 0.004"), ("demo", "-o demo")];
 
 /// A line of a shell, with `breakaway` first in its path.
 fn shell(folder: &Path, line: &str) -> Output {
@@ -48,8 +46,8 @@ fn the_readmes_walk() {
         fs::write(place.join(name), content).unwrap();
     }
     // The reader's own recording.
-    done(place, "breakaway run relay.toml -o own");
-    done(place, "sed -e '/^#/d' -e 's/^t,u,x$/t_s,u_V,x_m/' own/relay.csv > rec.csv");
+    done(place, "breakaway run suite --model axis.toml --tick 0.004 -o own");
+    done(place, "sed -e '/^#/d' -e 's/^t,u,x$/t_s,u_V,x_m/' own/fit/relay_high.csv > rec.csv");
     let mut commands = Vec::new();
     for line in lines("README.md", &text).iter().filter(|line| line.program == Program::Breakaway) {
         let words = line.words();

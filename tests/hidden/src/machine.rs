@@ -78,7 +78,7 @@ impl Machine {
     }
 
     /// Frequency (rad/s) and amplitude (rad) of the high relay's cycle on the base plant, by the
-    /// describing function (identification.md section 2).
+    /// describing function (docs/theory.md, section 2).
     pub(crate) fn relay_cycle(&self) -> (f64, f64) {
         let Base { b, c, f1 } = self.base;
         let (h1, h2) = (0.75 * self.amplitude, 0.25 * self.amplitude);

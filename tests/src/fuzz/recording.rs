@@ -1,5 +1,6 @@
 //! Recordings, as text of columns: an error, or a recording that keeps its promises.
 
+use breakaway::file::FileError;
 use breakaway::recording::{ReadOptions, Recording, RecordingError, Signal};
 
 /// Reads the bytes as a recording and as a signal, with three sets of options.
@@ -16,7 +17,7 @@ pub fn run(bytes: &[u8]) -> bool {
                 check(&recording);
                 accepted = true;
             }
-            Err(RecordingError::Read { .. } | RecordingError::Write { .. }) => {
+            Err(RecordingError::File(FileError::Read { .. } | FileError::Write { .. })) => {
                 panic!("an error of the system from bytes in memory")
             }
             Err(error) => assert!(!error.to_string().is_empty()),

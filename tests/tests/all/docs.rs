@@ -2,6 +2,7 @@
 //! parsed by the real definition of the command, and every file it needs comes from somewhere. The lines of the README and
 //! of the tutorial are run in host/tests/all/walk.rs; those of `cargo xtask` are parsed in xtask.
 
+mod citations;
 mod commands;
 mod files;
 

@@ -1,6 +1,7 @@
 //! What the adaptive law is told: start values, adaptation gains, and why they are refused.
 
 use crate::control::tuning::TuningError;
+use crate::says::says;
 use crate::scalar::Real;
 
 /// What the law adapts, or starts from.
@@ -71,6 +72,19 @@ pub enum AdaptiveError {
         /// The largest kf.
         largest: f64,
     },
+}
+
+says! { AdaptiveError:
+    Self::Gains(error) => "{error}",
+    Self::B { largest } => "adaptation gain b is past what this tick allows; the largest is {largest:.4e}",
+    Self::C { largest } => "adaptation gain c is past what this tick allows; the largest is {largest:.4e}",
+    Self::F1 { largest } => "adaptation gain f1 is past what this tick allows; the largest is {largest:.4e}",
+    Self::F { largest } => "adaptation gain f is past what this tick allows; the largest is {largest:.4e}",
+    Self::Delta => "delta must be above 0",
+    Self::Sigma => "the adaptive law's sigma must be 0 or more, and sigma times the gain f times the tick at most 1",
+    Self::SmallestB => "b_min must be 0 or more",
+    Self::Start => "start values must be 0 or more",
+    Self::Motion => "speed and acceleration must be 0 or more",
 }
 
 impl<F: Real> Adaptation<F> {

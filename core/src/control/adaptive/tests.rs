@@ -18,7 +18,7 @@ fn law<R: Fast>(adaptation: &Adaptation) -> Adaptive<R> {
     Adaptive::new(&gains(), adaptation, &START, TICK, 1, 12.0).unwrap()
 }
 
-/// u and the four laws, term by term, against identification.md section 5 written out anew.
+/// u and the four laws, term by term, against docs/theory.md, section 6, written out anew.
 #[test]
 fn it_is_the_law() {
     let adaptation = Adaptation { sigma: 0.1, b_min: 0.0, pid_inside: false, ..adaptation() };

@@ -2,6 +2,7 @@
 
 use crate::control::compensator::CompensatorError;
 use crate::plant::Base;
+use crate::says::says;
 use crate::scalar::Real;
 
 /// Settings of the watch.
@@ -136,4 +137,16 @@ pub enum DriftError {
     Threshold,
     /// The smallest scale is not finite and positive.
     Scale,
+}
+
+says! { DriftError:
+    Self::Model(error) => "{error}",
+    Self::Tick => "the tick must be a finite number above 0",
+    Self::Motion => "the motion is too slow or too short for the encoder and the tick",
+    Self::Bandwidth => "the observer's bandwidth must be above 0, and at most half the tick rate",
+    Self::RestSpeed => "the rest speed must be a finite number above 0",
+    Self::Block => "a block must be four ticks or longer, and the time after a reversal above 0",
+    Self::Calibration => "the calibration must have 8 blocks or more",
+    Self::Threshold => "slack and threshold must be finite numbers above 0",
+    Self::Scale => "the smallest scale must be a finite number above 0",
 }

@@ -32,7 +32,7 @@ fn refusals_carry_what_would_do() {
         assert!(tune(0.02685, 0.11, largest_hz, 1e-3, d).is_ok());
         assert!(tune(0.02685, 0.11, 1.01 * largest_hz, 1e-3, d).is_err());
     }
-    // The limit of identification.md section 5 at one tick of delay: 400 1/s at 1 ms.
+    // The limit of docs/control.md, section "The PID", at one tick of delay: 400 1/s at 1 ms.
     assert_eq!(largest_rate(1e-3, 1), 400.0);
     let gains = Gains { b: 1.0, kv: 300.0, lambda1: 100.0, lambda2: 101.0, filter_s: 0.0 };
     let Err(TuningError::Rate { largest_per_s }) = gains.check(1e-3, 1) else { panic!() };

@@ -20,7 +20,7 @@ fn row_9_exact_on_describing_function_data() {
     }
 }
 
-/// The exact cycles of identification.md section 1, six digits: by hand, b = (0.026414 + 0.026382)/2,
+/// The exact cycles of docs/theory.md, section 2, six digits: by hand, b = (0.026414 + 0.026382)/2,
 /// c = 0.8/(8.71674 − 1.74196), f1 = 1.5 − 8.71674c. The neglected harmonics cost b 1.7 % and c 4.3 %.
 #[test]
 fn real_cycles_show_the_neglected_harmonics() {

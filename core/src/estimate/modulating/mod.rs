@@ -1,4 +1,4 @@
-//! The recommended streaming estimator of (b, c, f1): modulating functions (identification.md section 4, item 4).
+//! The recommended streaming estimator of (b, c, f1): modulating functions (docs/theory.md, section 4, item 4).
 //!
 //! The equation of motion is multiplied by a test function φ that vanishes with its slope at both ends of a window and
 //! integrated by parts, so that no derivative of the position is needed:
@@ -38,6 +38,7 @@ pub use block::{Block, COLUMNS};
 pub use solve::{BaseEstimate, Parameter, Refusal, estimate, estimate_base};
 
 use crate::estimate::angle::sin_cos_of_turns;
+use crate::says::says;
 use crate::scalar::{Real, SolverReal};
 use edges::{Edge, Interval, interval};
 
@@ -54,6 +55,14 @@ pub enum ModulatingError {
     Multiple,
     /// `rest_band` is not finite and non-negative.
     RestBand,
+}
+
+says! { ModulatingError:
+    Self::SamplePeriod => "the sampling period must be a finite number above 0",
+    Self::Window => "the window must have 16 to 2²⁴ samples",
+    Self::HalfWidth => "the half-width must be 2 samples or more, and at most an eighth of the window",
+    Self::Multiple => "a multiple must be 2 or more, and at most an eighth of the window's samples",
+    Self::RestBand => "the rest band must be a finite number, 0 or more",
 }
 
 /// Configuration: `F` window frequencies, a delay line of `LINE` samples.
@@ -362,7 +371,7 @@ impl<R: SolverReal, const F: usize, const LINE: usize> ModulatingState<R, F, LIN
     }
 
     /// Correction of an edge for the acceleration's jump at a reversal: the central difference of half-width τ sees it
-    /// late by δ = τ(r−1)/(r+1), r = √((h+f1)/(h−f1)) (identification.md section 4), which is
+    /// late by δ = τ(r−1)/(r+1), r = √((h+f1)/(h−f1)) (docs/theory.md, section 4), which is
     /// τ·tan(½·asin(f1/h)) = τ(f1/2h + f1³/8h³ + …). f1 is not known yet, so the two powers are columns of their own.
     #[cold]
     fn add_edge(&mut self, jump: R, at: R) {

@@ -4,6 +4,7 @@ use super::block::{Block, Phase};
 use super::forms::{Column, DRIVE, SIGN, bilinear, columns, drive_column, invert, residual, residual_form, sandwich};
 use crate::estimate::linear::{NormalEquations, Solution, SolveError};
 use crate::plant::Base;
+use crate::says::says;
 use crate::scalar::{ExactSum, SolverReal};
 
 /// A parameter of the base model.
@@ -34,6 +35,15 @@ pub enum Refusal {
     SingleSpeed,
     /// This parameter's share of the drive is lost in the residual.
     Undetermined(Parameter),
+}
+
+says! { Refusal:
+    Self::TooShort => "the record is shorter than the windows need",
+    Self::NoMotion => "the axis rests in every window",
+    Self::NotFinite => "numbers too large to be summed, in every window",
+    Self::OneDirection => "the axis moves in one direction only: Coulomb friction cannot be told from a constant load",
+    Self::SingleSpeed => "c and f1 cannot be separated: all motion has the same speed",
+    Self::Undetermined(parameter) => "{parameter:?} cannot be told from what is left over",
 }
 
 impl Refusal {

@@ -1,4 +1,4 @@
-//! Sine fit: `y = A·sin(ωt+θ) + d` by separable least squares (identification.md section 3).
+//! Sine fit: `y = A·sin(ωt+θ) + d` by separable least squares (docs/theory.md, section 3).
 //!
 //! With `p = A cos θ`, `q = A sin θ` the model is linear in (p, q, d) and the cost `J(ω) = Σy² − gᵀG⁻¹g` has to be
 //! minimised over ω alone. `fmin` on 0.5..2 times the estimate (the memo's way) is not unimodal (erratum 8); here a grid
@@ -8,6 +8,8 @@
 //! - [`StreamingSine`]: samples as they come, memory for 32 block phasors, for the microcontroller.
 //!
 //! Both give a [`SineFit`] with standard errors, or a [`SineError`] that says what is wrong with the record.
+
+use crate::says::says;
 
 mod batch;
 mod columns;
@@ -85,4 +87,20 @@ pub enum SineError {
     OutOfReach,
     /// A count's difference from the first sample, or a block's integer sum, left its range.
     Saturated,
+}
+
+says! { SineError:
+    Self::TooFewSamples { samples, needed } => "{samples} samples, and the fit needs {needed}; record for longer",
+    Self::TooFewCycles { cycles, needed } => "{cycles:.2} cycles, and the fit needs {needed}; record for longer",
+    Self::NotFinite => "numbers too large to be summed",
+    Self::TimeOrder { sample } => "time does not increase at sample {sample}",
+    Self::SamplePeriod => "the sampling period is not positive",
+    Self::Frequency { limit_rad_s } => "the frequency must be above 0 and below {limit_rad_s:.4e} rad/s",
+    Self::SearchRange => "no frequency to look at: the period does not fit the sampling rate",
+    Self::SearchEdge { omega_rad_s } => "the best frequency, {omega_rad_s:.4e} rad/s, is at the edge of the search",
+    Self::ZeroSignal => "the signal is constant, there is no sine in it",
+    Self::Singular => "the samples cannot tell sine and offset apart; record for longer",
+    Self::Recentre { omega_rad_s } => "the given frequency is too far off; repeat with {omega_rad_s:.4e} rad/s",
+    Self::OutOfReach => "the frequency of the signal is far from the given one, or the noise is too large",
+    Self::Saturated => "the counts left their range",
 }

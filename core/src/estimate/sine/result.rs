@@ -64,7 +64,7 @@ pub struct SineErrors<R = f64> {
     pub offset: R,
 }
 
-/// The closed-form Cramér–Rao bound of identification.md section 3 for many cycles of a sine of `amplitude` in white
+/// The closed-form Cramér–Rao bound of docs/theory.md, section 3 for many cycles of a sine of `amplitude` in white
 /// noise of standard deviation `sigma`, sampled `samples` times every `sample_period_s` seconds:
 /// `var A = 2σ²/N`, `var ω = 24σ²/(A²Ts²N(N²−1))`, `var θ_centre = 2σ²/(A²N)`, `var d = σ²/N`.
 pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f64) -> SineErrors {

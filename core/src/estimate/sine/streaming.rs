@@ -1,4 +1,4 @@
-//! The streaming fit: block phasors, the form that runs on the microcontroller (identification.md section 3).
+//! The streaming fit: block phasors, the form that runs on the microcontroller (docs/theory.md, section 3).
 //!
 //! An oscillator at ω0 demodulates the samples into at most `B` blocks, each with Σy·cos, Σy·sin, Σy; the first blocks
 //! are a quarter period long. When all are used, neighbours are added in pairs and the length doubles: the oscillator's

@@ -226,3 +226,9 @@ impl Kind {
         self.definition().generalises.contains(&other.name())
     }
 }
+
+#[cfg(test)]
+#[path = "../../../tests/example/eddy_brake.rs"]
+mod eddy_brake;
+#[cfg(test)]
+mod tests;

@@ -16,7 +16,7 @@ pub struct Plant {
     pub v: f64,
 }
 
-/// The papers' plant with f2 lumped into c (identification.md section 1).
+/// The papers' plant with f2 lumped into c (docs/theory.md, section 1).
 pub const REFERENCE: Plant = Plant { b: 0.02685, c: 0.11, f1: 0.5, load: 0.0, x: 0.0, v: 0.0 };
 
 impl Plant {

@@ -22,10 +22,10 @@ use cycle::CycleTimer;
 const LINE: usize = 128;
 /// Experiments whose sums are kept, the last ones; 1.8 KiB each. c and f1 need two with different h2.
 const EXPERIMENTS: usize = 2;
-/// Half-width of the velocity's sign in periods (identification.md section 4: 0.01 to 0.02).
+/// Half-width of the velocity's sign in periods (docs/theory.md, section 4: 0.01 to 0.02).
 const HALF_WIDTH: f32 = 0.01;
 /// Relative change from one period to the next below which the sine fit starts: at 100 cycles and 32 blocks it may be
-/// wrong by 4 % (identification.md section 3: B ≥ 8·M·|ε|).
+/// wrong by 4 % (docs/theory.md, section 3: B ≥ 8·M·|ε|).
 const STEADY: f32 = 0.02;
 /// Relative change of period and amplitude still to come at which a cycle has settled.
 const TOLERANCE: f32 = 0.005;

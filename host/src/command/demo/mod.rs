@@ -29,7 +29,7 @@ use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
 use crate::sine::{self, SineFit};
 
-/// Show the whole story on a simulated axis: relay experiment, sine fit, model, a hidden effect found and named
+/// Show everything on a simulated axis: relay experiment, sine fit, model, a hidden effect found and named
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway demo -o demo
@@ -40,10 +40,10 @@ PID alone, the base model and the found model compensated; it writes track.html,
 
 Writes DIR/demo.html and DIR/discovery.html (open them in a browser), the recordings, model.toml and improved.toml.")]
 pub struct Args {
-    /// Folder for what is written
+    /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "breakaway-demo")]
     pub output: PathBuf,
-    /// On the virtual board, to the end: what was found is compensated
+    /// Run on the virtual board, and compensate what was found
     #[arg(long = "virtual")]
     pub on_virtual_board: bool,
     /// Seed: draws the hidden effect, and the noise of its recordings
@@ -216,7 +216,7 @@ fn learn(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
 fn base(identified: &Identified) -> anyhow::Result<Base<f64>> {
     let best = &identified.best;
     Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
-        .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error:?} is out of range"))
+        .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))
 }
 
 fn story<'a>(learnt: &'a Learnt, truth: Base<f64>, units: &Units) -> anyhow::Result<Story<'a>> {
@@ -381,7 +381,7 @@ mod tests {
         for (value, truth) in [(best.b, truth.base.b), (best.c, truth.base.c), (best.f1, truth.base.f1)] {
             // Five standard errors fail by chance in fewer than one of a million runs; the seeds are fixed besides. The
             // standard errors are to be small enough for the story: the streaming estimator reaches 0.1 to 0.2 % with
-            // this noise (identification.md section 4), and the output-error fit is not to be worse.
+            // this noise (docs/theory.md, section 4), and the output-error fit is not to be worse.
             assert!((value.value - truth).abs() < 5.0 * value.se, "{value:?} {truth}");
             assert!(value.se < 0.002 * truth);
         }

@@ -17,15 +17,15 @@ fn along_the_drive() -> Vec<&'static str> {
 
 /// What the page says before its list of effects, a paragraph per line.
 const INTRODUCTION: [&str; 4] = [
-    "The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`. An effect is a named term on top of it. A law is written as it is \
-     added to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured position. In units, \
-     `U` stands for the drive's unit and `X` for the position's.",
+    "The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`. An effect is a named term on top of it. A law is written as \
+     the force that it adds to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured \
+     position. In units, `U` stands for the drive's unit and `X` for the position's.",
     "A model file has an `[[effect]]` with `name` and the parameters by symbol. Its phases may lie outside the range \
      that is given here, since whole turns change nothing. This page is generated from the definitions in \
      `core/src/plant/effect`; `breakaway effects NAME` prints the same.",
     "An effect *generalises* others if it becomes them with certain parameters or in a limit. It *excludes* others if \
-     one model cannot hold both. It *leaves* what looks like others if its law idealises something; to name one of \
-     those beside it takes more evidence than the simulation's.",
+     one model cannot hold both. It *leaves* what looks like others if its law idealises something. One of those is \
+     named beside it only on more evidence than the simulation's.",
     "A *phase* or a *clock* says what recordings must share to be explained by one set of parameters.",
 ];
 
@@ -57,9 +57,9 @@ pub fn page() -> String {
     text
 }
 
-/// The text in lines of at most 110 characters, all but the first after `indent`.
+/// The text in lines of at most 100 characters, all but the first after `indent`.
 fn wrapped(text: &str, indent: &str) -> String {
-    const WIDTH: usize = 110;
+    const WIDTH: usize = 100;
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
         match lines.last_mut() {

@@ -34,7 +34,7 @@ fn the_break_away_force_is_found() {
     assert_eq!(breakaway(&axis(6.0, &[]), &MACHINE), Err(SimulateError::NoBreakaway(5.0)));
 }
 
-/// Five recordings to fit and three to score (discovery.md); all are valid, within the drive's limit, and move the axis.
+/// Five recordings to fit and three to score (docs/formats.md, section "The standard suite"); all are valid, within the drive's limit, and move the axis.
 #[test]
 fn the_suite_runs_and_moves_the_axis() {
     let suite = suite(0.6, &MACHINE);

@@ -1,4 +1,4 @@
-//! The base plant against identification.md section 1's exact limit cycles.
+//! The base plant against the exact limit cycles of docs/theory.md, section 2.
 
 use super::{close, papers};
 use crate::plant::{State, sign};

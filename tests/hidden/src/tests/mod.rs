@@ -11,7 +11,7 @@ mod worlds;
 
 use crate::law::Law;
 
-/// The papers' plant: b = 0.02685, c = 0.11, f1 = 0.5 (identification.md section 1).
+/// The papers' plant: b = 0.02685, c = 0.11, f1 = 0.5 (docs/theory.md, section 1).
 fn papers() -> Law {
     Law { b: 0.02685, c: 0.11, f1: 0.5, ..Law::default() }
 }

@@ -36,7 +36,7 @@ fn an_item_is_the_same_whatever_else_is_asked_for() {
 
 #[test]
 fn draws_fill_their_ranges() {
-    // reality.md's ranges. Of 400 draws the least and the largest are within a tenth of the range's ends, in the logarithm
+    // The ranges of `tests/hidden/src/world/setting.rs`. Of 400 draws the least and the largest are within a tenth of the range's ends, in the logarithm
     // where it is drawn so: the chance that one of them is not is 0.9^400.
     let worlds: Vec<World> = (0..400).map(|seed| Setting::Unkind.draw(seed)).collect();
     let fills = |low: f64, high: f64, value: &dyn Fn(&World) -> Option<f64>| {

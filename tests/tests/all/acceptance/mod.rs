@@ -1,4 +1,4 @@
-//! The acceptance numbers of identification.md section 7. Each is a test whose name begins with its row:
+//! The acceptance numbers. Each is a test whose name begins with its row:
 //!
 //! | row | test |
 //! |---|---|
@@ -24,9 +24,9 @@ use breakaway::simulate::axis::Axis;
 use breakaway::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
 use breakaway_core::plant::{Base, Effect, Kind};
 
-/// The papers' plant, f2 lumped into c (identification.md section 1).
+/// The papers' plant, f2 lumped into c (docs/theory.md, section 1).
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
-/// h1, h2 and period (s) of the pair of experiments of section 4.
+/// h1, h2 and period (s) of the pair of experiments of docs/theory.md, section 4.
 const PAIR: [(f64, f64, f64); 2] = [(2.0, 1.5, 0.723195), (1.0, 0.7, 0.288730)];
 
 /// A relay experiment on the simulated axis at 1 kHz, from standstill.

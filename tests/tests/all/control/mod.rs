@@ -1,4 +1,4 @@
-//! The controller on the simulated axis, end to end: what compensation of an effect gains (identification.md section 5).
+//! The controller on the simulated axis, end to end: what compensation of an effect gains (docs/theory.md, section 6).
 //!
 //! The loop is the one of `breakaway track`: the core's controller in f32 behind an encoder and a tick of delay.
 
@@ -13,7 +13,7 @@ use breakaway::model::{BaseSe, EffectEntry, Model};
 use breakaway::recording::Units;
 use breakaway_core::plant::{Base, Effect};
 
-/// The papers' plant, f2 lumped into c (identification.md section 1).
+/// The papers' plant, f2 lumped into c (docs/theory.md, section 1).
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 /// 8000 counts per turn.
 const STEP: f64 = std::f64::consts::TAU / 8000.0;

@@ -1,4 +1,4 @@
-//! The evidence for the errata of the two documents (docs/theory.md, last section; identification.md section 6).
+//! The evidence for the errata of the two documents (docs/theory.md, section 7).
 //!
 //! One test per erratum that has a number; each says what is printed and what is right. Errata 2, 3, 4, 5 (the listing
 //! does not run) and 23 (a definition) have no number.

@@ -143,7 +143,7 @@ fn erratum_22_section_4_does_not_follow_from_equation_17() {
         assert!((value / printed - 1.0).abs() > 0.14, "{found:?}");
     }
     assert!(found.f1 * found.f2 < 0.0 && 0.5104 * 0.0065 > 0.0);
-    // What the corrected closed form makes of the same cycles (identification.md section 4: 5 to 20 % harmonic error).
+    // What the corrected closed form makes of the same cycles (docs/theory.md, section 4: up to 20 % harmonic error).
     let right = describing_function(&[fit(exact_experiment(2.0, 1.5)), fit(exact_experiment(1.0, 0.7))]).unwrap();
     println!("corrected: {:?}", right.parameters);
     for (found, truth) in right.parameters.into_iter().zip([PLANT.b, PLANT.c, PLANT.f1]) {
