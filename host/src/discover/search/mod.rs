@@ -26,7 +26,7 @@ use crate::identify::shooting::Fit;
 use crate::identify::track::median;
 use crate::recording::Units;
 use add::{Round, add};
-use compare::NAMING;
+use compare::{NAMING, has_body};
 use node::Node;
 
 pub(super) use descend::{fit_softly, settled};
@@ -38,8 +38,8 @@ const BEAM: usize = 2;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
 /// Simulated numbers after which a search tries no further effect. A sample counts one for each sub-step, and as many more as its
-/// derivatives take in memory. They take about 15 s of a core; a round of all effects takes as many at the most.
-const MOST_WORK: u64 = 250_000_000;
+/// derivatives take in memory. They take about 25 s of a core; a round of all effects takes half as many.
+const MOST_WORK: u64 = 500_000_000;
 /// Iterations of a model to start from.
 const ITERATIONS: usize = 20;
 
@@ -170,18 +170,14 @@ impl<'a> Search<'a> {
         (node.added() > 0).then_some(node)
     }
 
-    /// The best models of a pool, each of other effects: what is down to the noise first, then by the likelihood less its price.
+    /// The best models of a pool, each of other effects: what is down to the noise first, then what has no second body, whose starts
+    /// follow whatever is missing, then by the likelihood less its price.
     fn best(&self, mut pool: Vec<Node>) -> Vec<Node> {
         let left = pool.iter().map(|node| median(node.fit.mse.clone())).fold(f64::INFINITY, f64::min);
         let data = self.data.softened(if left.is_finite() { left } else { 0.0 });
-        let cost = |node: &Node| {
-            let price = NAMING.price * node.fit.free.len() as f64;
-            (!node.explained(&self.base.gap), data.problem().cost_of(&node.fit.mse) + price)
-        };
-        pool.sort_by(|a, b| {
-            let (a, b) = (cost(a), cost(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
+        let rank = |node: &Node| (!node.explained(&self.base.gap), has_body(&node.fit));
+        let cost = |node: &Node| data.problem().cost_of(&node.fit.mse) + NAMING.price * node.fit.free.len() as f64;
+        pool.sort_by(|a, b| rank(a).cmp(&rank(b)).then(cost(a).total_cmp(&cost(b))));
         let mut best: Vec<Node> = Vec::new();
         for node in pool {
             if best.len() < BEAM && !best.iter().any(|other| other.same_kinds(&node)) {
