@@ -6,7 +6,9 @@ use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
 use breakaway_core::plant::{Base, Effect};
 
 use super::by_force;
+use super::corroboration;
 use super::data::Data;
+use super::gap::open_loop_squares;
 use super::judge;
 use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
@@ -16,7 +18,7 @@ use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::where_map;
 use crate::identify::estimate::{self, IdentifyError};
-use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
+use crate::identify::shooting::{Candidate, Covariance, Fit, FitError, Free};
 use crate::identify::track::Track;
 use crate::recording::{Recording, Units};
 
@@ -26,13 +28,8 @@ const ROUGH: f64 = 150.0;
 /// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
 /// windows and nothing predicts it with a z over blocks of more than the last.
 const SHAKEN: [f64; 3] = [5.0, 5.0, 4.5];
-/// Held-out simulation error over the sensor's noise below which a model that the simulated motion found is believed, though
-/// something is left, if it is half of what the force fit leaves.
-const NEAR: f64 = 5.0;
-/// The same up to which the sensor's noise is all that is left, and from which no model is sought where something gains that has no
-/// name.
+/// The same up to which the sensor's noise is all that is left.
 const AT_THE_NOISE: f64 = 1.1;
-const HOPELESS: f64 = 60.0;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
@@ -114,10 +111,13 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut found = match by_force {
         Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
         Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small) if small.down_to_the_noise() || comes_near(&small, &by_force) => small,
+            Ok(small) if corroboration::believed(request, ruling.as_ref(), &small, &by_force) => small,
             _ => by_force,
         },
-        Some(Err(_)) | None => small_effects::found(request, &units, ruling.as_ref(), progress)?,
+        Some(Err(_)) | None => {
+            let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
+            if corroboration::stands_alone(request, &small) { small } else { small.without_names(known.len()) }
+        }
     };
     found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();
@@ -135,16 +135,7 @@ fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
         && remainder.significance < z;
     let ripples =
         !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
-    // Something gains on the measured forces that is no name: the simulated motion would find one for it.
-    let unknown = ruling.findings.is_empty() && remainder.predictable.is_some() && found.over_noise() > HOPELESS;
-    shaken || ripples || unknown || found.over_noise() > ROUGH
-}
-
-/// Whether the names of the simulated motion are believed though something is left: they come down to the sensor's noise, or near it
-/// and to half of what the force fit leaves.
-fn comes_near(small: &Discovery, by_force: &Discovery) -> bool {
-    let near = NEAR.min(0.5 * by_force.over_noise()).max(AT_THE_NOISE);
-    !small.effects.is_empty() && small.over_noise() < near
+    shaken || ripples || found.over_noise() > ROUGH
 }
 
 /// Radians in a position unit; `None` where the position is no angle.
@@ -190,9 +181,10 @@ pub(super) fn prepared(
     if data.fit.len() < 3 || data.score.is_empty() {
         return Err(DiscoverError::TooShort(segment_s));
     }
-    let (start, remarks) = starting_model(request, ruling)?;
+    let (starts, remarks) = starting_models(request, ruling)?;
     progress("fitting the base model");
-    let base = fit_softly(&data, &start, BASE_ITERATIONS).map_err(|error| DiscoverError::Base(error.to_string()))?;
+    let fits = starts.iter().map(|start| fit_softly(&data, start, BASE_ITERATIONS));
+    let base = nearest(&data, fits).map_err(|error| DiscoverError::Base(error.to_string()))?;
     Ok(Prepared { data, base, remarks })
 }
 
@@ -254,29 +246,60 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
     }
 }
 
-/// The model to start from, and what identifying it from the recordings had to say.
-fn starting_model(request: &Request, ruling: Option<&Ruling>) -> Result<(Candidate, Vec<String>), DiscoverError> {
-    let identified = estimate::identify(&request.recordings);
-    let by_force = ruling.filter(|ruling| ruling.tells_inertia()).map(|ruling| ruling.base);
-    let (identified, base) = match (identified, by_force) {
-        (Ok(identified), by_force) => {
-            let best = &identified.best;
-            let own = Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) };
-            // A base that misses an effect of the size of the drive is no base.
-            (identified.remarks, by_force.filter(|_| ruling.is_some_and(|r| !r.findings.is_empty())).unwrap_or(own))
+/// Of several fits the one that the held-out recordings follow best in open loop; the first, where that comes down to the noise.
+fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Result<Fit, FitError> {
+    let mut best: Result<(Fit, f64), FitError> = Err(FitError::NoSegment);
+    for fit in fits {
+        let scored = fit.map(|fit| {
+            let windows = if data.open_loop.is_empty() { &data.score } else { &data.open_loop };
+            let squares = open_loop_squares(data, windows, &fit);
+            let (square, count) = squares.iter().fold((0.0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+            (fit, (square / count.max(1) as f64).sqrt())
+        });
+        let worse = |(_, error): &(Fit, f64)| scored.as_ref().is_ok_and(|(_, own)| own < error);
+        if best.as_ref().map_or(true, worse) {
+            best = scored;
         }
-        (Err(_), Some(by_force)) => (Vec::new(), by_force),
-        (Err(error), None) => return Err(error.into()),
+        if best.as_ref().is_ok_and(|(_, error)| *error < AT_THE_NOISE * data.sigma) {
+            break;
+        }
+    }
+    best.map(|(fit, _)| fit)
+}
+
+/// The models to start from, and what identifying them from the recordings had to say: the given one; else by the estimators on the
+/// motion, and by the measured forces.
+fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Candidate>, Vec<String>), DiscoverError> {
+    let identified = estimate::identify(&request.recordings);
+    let by_force = ruling.map(|ruling| ruling.base).filter(|base| base.b > 0.0);
+    let own = identified.as_ref().ok().map(|identified| {
+        let best = &identified.best;
+        Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) }
+    });
+    let mut bases: Vec<Base<f64>> = own.into_iter().chain(by_force).collect();
+    // A base that misses an effect of the size of the drive is no base.
+    if ruling.is_some_and(|ruling| ruling.tells_inertia() && !ruling.findings.is_empty()) {
+        bases.reverse();
+        bases.truncate(1);
+    }
+    let remarks = match identified {
+        // What is missing is said below, and better.
+        Ok(identified) => {
+            identified.remarks.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect()
+        }
+        Err(error) if bases.is_empty() => return Err(error.into()),
+        Err(_) => Vec::new(),
     };
-    // What is missing is said below, and better.
-    let remarks = identified.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect();
-    let Some(model) = &request.model else { return Ok((Candidate { base, effects: Vec::new() }, remarks)) };
+    let Some(model) = &request.model else {
+        return Ok((bases.into_iter().map(|base| Candidate { base, effects: Vec::new() }).collect(), remarks));
+    };
+    let base = bases[0];
     let factor = (model.base.b / base.b).max(base.b / model.base.b);
     // A base that misses the main effect does not tell units.
     if factor > UNITS_FACTOR && ruling.is_none_or(Ruling::tells_inertia) {
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
-    Ok((Candidate { base, effects: model.effects.clone() }, remarks))
+    Ok((vec![Candidate { base: model.base, effects: model.effects.clone() }], remarks))
 }
 
 fn model_se(model: &Candidate, errors: &Covariance) -> Vec<Vec<f64>> {

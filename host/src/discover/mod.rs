@@ -1,8 +1,10 @@
 //! Discovery: where simulation and measurement disagree, what is missing, and whether adding it closes the gap.
 
 mod by_force;
+mod corroboration;
 pub mod data;
 pub mod decide;
+pub mod drive_free;
 pub mod engine;
 mod gap;
 pub mod judge;

@@ -224,6 +224,22 @@ impl Discovery {
         self.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse / self.noise_floor)
     }
 
+    /// The discovery with nothing named beside the `known` effects that were given: the recordings do not bear the names out.
+    #[must_use]
+    pub fn without_names(mut self, known: usize) -> Self {
+        if let Some(first) = self.ladder.first() {
+            self.model.base = first.base;
+        }
+        self.model.effects.truncate(known);
+        self.model_se.truncate(known);
+        self.ladder.truncate(1);
+        self.effects.clear();
+        self.overlays.iter_mut().for_each(|overlay| overlay.after.clear());
+        let gap = self.verdict != Verdict::NothingMissing;
+        self.verdict = if gap { Verdict::Unknown } else { self.verdict };
+        self
+    }
+
     /// Whether the verdict leaves nothing to be explained.
     pub fn down_to_the_noise(&self) -> bool {
         matches!(self.verdict, Verdict::Explained | Verdict::NothingMissing)

@@ -61,7 +61,8 @@ impl<'a> Screen<'a> {
         Some(screen)
     }
 
-    fn of_width(data: &'a Data, current: &Candidate, width_s: f64) -> Option<Self> {
+    /// Prepares the screen in windows of half-width `width_s`.
+    pub fn of_width(data: &'a Data, current: &Candidate, width_s: f64) -> Option<Self> {
         // Of a session of an hour few segments are simulated: its other windows are not made.
         let within = |s: &Segment, track, first, last| s.track == track && s.start <= first && last < s.start + s.len;
         let wanted = |track, first, last| data.fit.iter().any(|s| within(s, track, first, last));
@@ -92,6 +93,11 @@ impl<'a> Screen<'a> {
     /// Windows used.
     pub fn windows(&self) -> &[Window] {
         &self.windows
+    }
+
+    /// Norm of the residual of all windows.
+    pub fn residual_norm(&self) -> f64 {
+        self.square.sqrt()
     }
 
     /// Residual force of every window: right-hand side minus what the model explains.

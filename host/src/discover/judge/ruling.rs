@@ -85,15 +85,18 @@ pub struct Ruling {
 /// Share of the drive that may be left, at random, where nothing is missing, and least ρ² that tells it.
 const NOTHING: f64 = 0.05;
 const COHERENT: f64 = 0.3;
+/// Force that is left over what the sensor's noise makes of it, up to which that noise may be all.
+const AT_THE_NOISE: f64 = 2.0;
 
 impl Ruling {
     /// Whether the inertia of the force fit means something.
     pub fn tells_inertia(&self) -> bool {
         self.base.b > 0.0 && self.coherence >= COHERENT
     }
-    /// Whether what is left is so little that nothing is missing.
+    /// Whether what is left is so little, of the drive or beside the sensor's noise, that nothing is missing.
     pub fn tells_nothing_is_missing(&self) -> bool {
-        self.coherence >= COHERENT && self.remainder.share < NOTHING
+        let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
+        self.coherence >= COHERENT && little
     }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
