@@ -1,6 +1,9 @@
 //! Effects too small for the measured forces, on a machine so quiet that the sensor's noise is all that need be left: models are
 //! searched on the simulated motion, and what comes down to that noise is believed.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
 use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
@@ -26,10 +29,11 @@ pub(super) fn found(
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
     let request =
         &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
-    let mut found = within(request, units, FIT_SEGMENT_S, ruling, progress)?;
+    let work = Arc::default();
+    let mut found = within(request, units, (FIT_SEGMENT_S, &work), ruling, progress)?;
     if found.verdict == Verdict::Unknown {
         progress("looking again over shorter segments");
-        match within(request, units, SHORT_SEGMENT_S, ruling, progress) {
+        match within(request, units, (SHORT_SEGMENT_S, &work), ruling, progress) {
             Ok(mut short) if !short.effects.is_empty() => {
                 short.remarks.push(format!(
                     "no model follows the motion over {FIT_SEGMENT_S} s: fitted and scored over segments of \
@@ -45,16 +49,17 @@ pub(super) fn found(
     Ok(found)
 }
 
-/// The search over segments of one length. It begins with the base, and with the judge's names beside it.
+/// The search over segments of one length, within a bound of work that is one for all. It begins with the base, and with the judge's names beside it.
 fn within(
     request: &Request,
     units: &Units,
-    segment_s: f64,
+    (segment_s, work): (f64, &Arc<AtomicU64>),
     ruling: Option<&Ruling>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
-    let start =
+    let mut start =
         prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
+    start.data.work = work.clone();
     let judged = ruling.filter(|ruling| !ruling.findings.is_empty()).map(|ruling| judged(&start, ruling));
     let mut ended = Search::new(&start.data, units, start.base.clone()).run(judged.as_ref(), progress);
     if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {

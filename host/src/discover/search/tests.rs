@@ -158,7 +158,7 @@ fn the_second_of_the_beam_has_the_greatest_z() {
     let all = [
         tried(Kind::LuGre, 0.30, 0.6),
         tried(Kind::Backlash, 0.28, 0.1),
-        tried(Kind::Spring, 0.20, 0.4),
+        tried(Kind::Spring, 0.20, 0.3),
         tried(Kind::Delay, 0.15, 0.1),
         tried(Kind::Dahl, 0.001, 0.0001),
     ];
