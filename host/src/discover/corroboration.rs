@@ -1,4 +1,4 @@
-//! Whether names that the simulated motion alone gives are believed (docs/discovery.md, *Small effects*).
+//! Whether names that the simulated motion alone gives are believed (docs/discovery.md, section 9).
 
 use breakaway_core::plant::Effect;
 
@@ -57,10 +57,13 @@ pub(super) fn stands_alone(request: &Request, small: &Discovery) -> bool {
 impl Corroboration {
     fn of(request: &Request, ruling: Option<&Ruling>, small: &Discovery, before: &Discovery) -> Self {
         let open_loop = |found: &Discovery| found.ladder.last().map_or(0.0, |rung| rung.holdout_open_loop_rmse);
-        let prepared = [FIT_SEGMENT_S, SHORT_SEGMENT_S].map(|length| Data::new(&request.recordings, &request.holdout, length));
+        let prepared =
+            [FIT_SEGMENT_S, SHORT_SEGMENT_S].map(|length| Data::new(&request.recordings, &request.holdout, length));
         let data = prepared.into_iter().find(|data| data.fit.len() >= 3 && !data.score.is_empty());
         let width_s = ruling.map_or(HALF_WIDTH_S, |ruling| WIDE * ruling.half_width_s);
-        let force = data.as_ref().and_then(|data| {
+        // The force of a second body follows from where it began, which the measured motion does not tell.
+        let bodies = small.model.effects.iter().chain(&before.model.effects).any(|effect| effect.kind.second_body());
+        let force = data.as_ref().filter(|_| !bodies).and_then(|data| {
             let of = |found: &Discovery| force_residual(data, &found.model, width_s);
             Some([of(before)?, of(small)?])
         });

@@ -7,7 +7,7 @@ use crate::identify::shooting::{self, Problem, Segment};
 use crate::identify::track::{self, Track, median};
 use crate::recording::Recording;
 
-/// Length of the segments to fit and to score, s (discovery.md, method step 1).
+/// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
 pub const FIT_SEGMENT_S: f64 = 0.4;
 /// The same where the motion is so sensitive (a rotor that falls into one of many teeth) that no longer segment can be
 /// followed by any model.

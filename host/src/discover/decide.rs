@@ -1,4 +1,4 @@
-//! The decision on paired segments (discovery.md, method step 4).
+//! The decision on paired segments (docs/discovery.md, section 8).
 
 /// Thresholds of naming, calibrated on clean seeds (docs/blind.md).
 #[derive(Clone, Copy, Debug)]

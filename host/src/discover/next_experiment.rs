@@ -1,4 +1,4 @@
-//! The experiment that would decide between models that tie (discovery.md, method step 7).
+//! The experiment that would decide between models that tie.
 
 use breakaway_core::plant::Kind;
 

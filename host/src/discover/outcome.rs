@@ -6,7 +6,7 @@ use crate::identify::shooting::Candidate;
 use crate::recording::Units;
 use crate::simulate::experiment::Experiment;
 
-/// The four verdicts (discovery.md).
+/// The four verdicts (docs/discovery.md, section 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Effects are named, and the held-out error is down to the noise floor.

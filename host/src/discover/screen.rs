@@ -1,4 +1,4 @@
-//! The screen in weak form: starting values of every effect (discovery.md, method step 2). It never decides.
+//! The screen in weak form: starting values of every effect (docs/discovery.md, section 8). It never decides.
 //!
 //! Whatever an effect is, the core gives the force it adds along the measured motion. That force, integrated against
 //! the windows' test function, is a column (its amplitudes), or a change of the right-hand side (the parameters on a

@@ -1,4 +1,4 @@
-//! Where the gap lives: residual force against the coordinates of the motion (discovery.md, method step 5).
+//! Where the gap lives: residual force against the coordinates of the motion.
 
 use super::data::Data;
 use super::outcome::WhereRow;

@@ -1,5 +1,5 @@
 //! Output error by multiple shooting: the plant is simulated over short segments, each from its own initial position
-//! and velocity, and base and effect parameters are fitted jointly (discovery.md, method step 3).
+//! and velocity, and base and effect parameters are fitted jointly (docs/discovery.md, section 8).
 //!
 //! Minimised is `Σ_segments n/2·log(σ² + mse)` by Levenberg–Marquardt. The logarithm bounds the influence of any one
 //! segment; initial states are eliminated by Schur complement; derivatives come from dual numbers.

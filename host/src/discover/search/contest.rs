@@ -50,6 +50,9 @@ impl Search<'_> {
     /// well with fewer parameters.
     pub(super) fn improved(&self, mut node: Node) -> Node {
         for _ in 0..CHANGES * node.added() {
+            if self.is_exhausted() {
+                break;
+            }
             let Some(changed) = self.changed(&mut node) else { break };
             node = changed;
         }

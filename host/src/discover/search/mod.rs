@@ -40,6 +40,8 @@ const MAX_ADDED: usize = 3;
 /// Simulated numbers after which a search tries no further effect. A sample counts one for each sub-step, and as many more as its
 /// derivatives take in memory. They take about 25 s of a core; a round of all effects takes half as many.
 const MOST_WORK: u64 = 500_000_000;
+/// Multiple of that after which effects are not dropped or swapped either, of a model that the round before the bound gave.
+const LAST_WORK: u64 = 2;
 /// Iterations of a model to start from.
 const ITERATIONS: usize = 20;
 
@@ -67,6 +69,11 @@ impl<'a> Search<'a> {
     /// Whether as much was simulated as a search may.
     fn is_spent(&self) -> bool {
         self.data.work.load(Ordering::Relaxed) > MOST_WORK
+    }
+
+    /// Whether so much was simulated that a model is left as it is: nothing is dropped or swapped any more.
+    fn is_exhausted(&self) -> bool {
+        self.data.work.load(Ordering::Relaxed) > LAST_WORK * MOST_WORK
     }
 
     /// The model that can be named. `start` is one to begin with, beside the base.

@@ -1,4 +1,4 @@
-//! The page of a discovery (discovery.md, "The report").
+//! The page of a discovery (docs/discovery.md, section 10).
 
 mod figures;
 pub mod sentence;
