@@ -6,7 +6,7 @@
 use super::data::Data;
 
 /// Degree of the polynomial.
-const DEGREE: usize = 3;
+pub const DEGREE: usize = 3;
 
 /// Root mean square residual of the curve over the held-out windows of the open-loop score, position units; `None` without one.
 pub(super) fn error(data: &Data) -> Option<f64> {

@@ -116,7 +116,11 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
         },
         Some(Err(_)) | None => {
             let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
-            if corroboration::stands_alone(request, &small) { small } else { small.without_names(known.len()) }
+            if corroboration::stands_alone(request, ruling.as_ref(), &small) {
+                small
+            } else {
+                small.without_names(known.len())
+            }
         }
     };
     found.force = ruling.as_ref().map(by_force::force);

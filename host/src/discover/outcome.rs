@@ -235,8 +235,7 @@ impl Discovery {
         self.ladder.truncate(1);
         self.effects.clear();
         self.overlays.iter_mut().for_each(|overlay| overlay.after.clear());
-        let gap = self.verdict != Verdict::NothingMissing;
-        self.verdict = if gap { Verdict::Unknown } else { self.verdict };
+        self.verdict = Verdict::Unknown;
         self
     }
 

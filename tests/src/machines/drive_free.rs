@@ -3,14 +3,13 @@
 //! Over each window of 1 s of the held-out measurement a cubic polynomial in time is fitted to the position by least
 //! squares. A model whose simulation over the same windows is further off than this curve has learnt nothing from the drive.
 
+use breakaway::discover::drive_free::{DEGREE, residual_square};
 use breakaway::recording::Recording;
 
 use super::splits::Taken;
 
 /// Length of a window, s: that of the open-loop score of a discovery.
 const WINDOW_S: f64 = 1.0;
-/// Degree of the polynomial.
-const DEGREE: usize = 3;
 /// Fewest samples of a window: twice the coefficients.
 const LEAST_SAMPLES: usize = 2 * (DEGREE + 1);
 
@@ -46,34 +45,6 @@ fn windows(recording: &Recording) -> Vec<std::ops::Range<usize>> {
         }
     }
     windows
-}
-
-/// Sum of the squared residuals of the polynomial, by Gram-Schmidt on the powers of time in −1..1.
-fn residual_square(t: &[f64], x: &[f64]) -> f64 {
-    let (Some(first), Some(last)) = (t.first(), t.last()) else { return 0.0 };
-    let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let less = |from: &mut [f64], share: f64, of: &[f64]| {
-        from.iter_mut().zip(of).for_each(|(value, direction)| *value -= share * direction);
-    };
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    let mut residual: Vec<f64> = x.iter().map(|x| x - mean).collect();
-    let mut directions: Vec<Vec<f64>> = Vec::new();
-    for power in 0..=DEGREE {
-        let mut column: Vec<f64> = t.iter().map(|t| ((t - middle) / half).powi(power as i32)).collect();
-        for direction in &directions {
-            let share = dot(&column, direction);
-            less(&mut column, share, direction);
-        }
-        let norm = dot(&column, &column).sqrt();
-        for value in &mut column {
-            *value /= norm;
-        }
-        let share = dot(&residual, &column);
-        less(&mut residual, share, &column);
-        directions.push(column);
-    }
-    dot(&residual, &residual)
 }
 
 #[cfg(test)]
