@@ -179,6 +179,22 @@ fn rivals(finding: &Finding) -> Vec<Rival> {
     tied.map(|(kind, z)| Rival { kind: *kind, delta: 0.0, z: *z, tied: true }).collect()
 }
 
+/// A discovery of the simulated motion with the ties of the names that it took over from the judge: only at the sensor's noise does
+/// the motion tell what the forces do not.
+pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discovery {
+    if small.down_to_the_noise() {
+        return small;
+    }
+    let findings = ruling.map_or(&[][..], |ruling| &ruling.findings);
+    for named in &mut small.effects {
+        for tied in findings.iter().filter(|finding| finding.effect.kind == named.kind).flat_map(rivals) {
+            named.rivals.retain(|rival| rival.kind != tied.kind);
+            named.rivals.push(tied);
+        }
+    }
+    small
+}
+
 /// The judge's first round as lines of the table, of a discovery that named `named`.
 pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> {
     let fate = |kind: Kind| {

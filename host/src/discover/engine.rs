@@ -111,7 +111,9 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let mut found = match by_force {
         Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
         Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small) if corroboration::believed(request, ruling.as_ref(), &small, &by_force) => small,
+            Ok(small) if corroboration::believed(request, ruling.as_ref(), &small, &by_force) => {
+                by_force::with_ties(small, ruling.as_ref())
+            }
             _ => by_force,
         },
         Some(Err(_)) | None => {
