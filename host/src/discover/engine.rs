@@ -1,4 +1,5 @@
-//! The chain: locate, name, add, show; until nothing more can be named.
+//! The way through a discovery: the judge rules on the forces, the simulated motion gives parameters and small effects, and what was
+//! found is assembled.
 
 use std::time::Instant;
 
@@ -92,7 +93,7 @@ pub struct Request {
 /// Finds what the model misses. `progress` is told what is being done.
 ///
 /// The judge rules on the measured forces. Where the machine is so quiet that the sensor's noise may be all that is left, the
-/// simulated motion is asked for effects too small for that, and is believed where it comes down to that noise.
+/// simulated motion is asked for effects too small for that, and is believed where open loop and forces corroborate it.
 ///
 /// # Errors
 /// [`DiscoverError`].

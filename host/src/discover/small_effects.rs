@@ -1,5 +1,5 @@
 //! Effects too small for the measured forces, on a machine so quiet that the sensor's noise is all that need be left: models are
-//! searched on the simulated motion, and what comes down to that noise is believed.
+//! searched on the simulated motion. Whether the names are believed is decided in `corroboration.rs`.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
