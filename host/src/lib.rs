@@ -6,6 +6,7 @@ pub mod control;
 pub mod device;
 pub mod discover;
 pub mod file;
+pub mod fit;
 pub mod fleet;
 pub mod identify;
 pub mod interrupt;

@@ -6,7 +6,7 @@
 
 use breakaway::discover::engine::{DiscoverError, Request, discover};
 use breakaway::discover::outcome::Verdict;
-use breakaway::identify::shooting::Candidate;
+use breakaway::fit::Candidate;
 use breakaway::recording::{ReadOptions, Recording, Selection};
 use breakaway_core::plant::Base;
 use breakaway_hidden::{Case, Experiment, Role};

@@ -9,7 +9,7 @@ use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::search::{Ended, parameters, rung, settled};
-use crate::identify::shooting::{Candidate, Fit, Free, SCORE_ITERATIONS};
+use crate::fit::{Candidate, Fit, Free, SCORE_ITERATIONS};
 use crate::recording::Units;
 
 /// Iterations of the fit of the simulated motion.

@@ -8,7 +8,7 @@ use super::engine::Request;
 use super::judge::ruling::Ruling;
 use super::outcome::Discovery;
 use super::screen::Screen;
-use crate::identify::shooting::Candidate;
+use crate::fit::Candidate;
 
 /// Held-out simulation error over the sensor's noise below which a model is near that noise.
 const NEAR: f64 = 5.0;

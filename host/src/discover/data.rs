@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use crate::identify::shooting::{self, Problem, Segment};
-use crate::identify::track::{self, Track, median};
+use crate::fit::track::{self, Track, median};
+use crate::fit::{self, Problem, Segment};
 use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
@@ -50,8 +50,8 @@ impl Data {
     /// Prepares recordings in segments of `segment_s`. Without `holdout` the last third of every recording is held out.
     pub fn new(recordings: &[Recording], holdout: &[Recording], segment_s: f64) -> Self {
         let tracks = track::session(recordings.iter().chain(holdout));
-        let segments = shooting::segments(&tracks, segment_s);
-        let open = shooting::segments(&tracks, OPEN_LOOP_S);
+        let segments = fit::segments(&tracks, segment_s);
+        let open = fit::segments(&tracks, OPEN_LOOP_S);
         let held_out = |segment: &Segment| {
             if holdout.is_empty() {
                 segment.start * 3 >= tracks[segment.track].t.len() * 2
@@ -67,7 +67,7 @@ impl Data {
         let fit = sampled(segments.iter().filter(|s| !held_out(s) && within(s)), MAX_FIT_SEGMENTS);
         let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
-        let ahead = shooting::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
+        let ahead = fit::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
         let ahead = sampled(ahead.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
         Self {

@@ -18,9 +18,9 @@ use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::where_map;
+use crate::fit::track::Track;
+use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
 use crate::identify::estimate::{self, IdentifyError};
-use crate::identify::shooting::{Candidate, Covariance, Fit, FitError, Free};
-use crate::identify::track::Track;
 use crate::recording::{Recording, Units};
 
 /// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::data::{Data, FIT_SEGMENT_S};
-use crate::identify::shooting::{Fit, SCORE_ITERATIONS, Segment};
+use crate::fit::{Fit, SCORE_ITERATIONS, Segment};
 
 /// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
 const GAP_NOISE: f64 = 0.06;

@@ -3,7 +3,7 @@
 use breakaway_core::plant::effect::{MAX_PARAMETERS, Over, Search};
 use breakaway_core::plant::{Base, Effect};
 
-use crate::identify::shooting::{Candidate, Fit, FitError, Free, Problem, Start};
+use crate::fit::{Candidate, Fit, FitError, Free, Problem, Start};
 
 /// How far a wave number may be from a whole one to be taken for it.
 const WHOLE: f64 = 0.1;

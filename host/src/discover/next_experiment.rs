@@ -4,8 +4,8 @@ use breakaway_core::plant::Kind;
 
 use super::data::FIT_SEGMENT_S;
 use super::outcome::NextExperiment;
-use crate::identify::shooting::{self, Candidate, Problem};
-use crate::identify::track;
+use crate::fit::track;
+use crate::fit::{self, Candidate, Problem};
 use crate::recording::Units;
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
@@ -85,7 +85,7 @@ fn family(model: &Candidate, limits: &Limits) -> Vec<Experiment> {
 fn difference(a: &Candidate, b: &Candidate, experiment: &Experiment, units: &Units) -> Option<f64> {
     let run = Axis::new(a.base, &a.effects, units.clone()).run(experiment).ok()?;
     let tracks = track::session(std::slice::from_ref(&run.recording));
-    let segments = shooting::segments(&tracks, FIT_SEGMENT_S);
+    let segments = fit::segments(&tracks, FIT_SEGMENT_S);
     let problem = Problem {
         tracks: &tracks,
         segments: &segments,

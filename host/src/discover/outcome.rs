@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::{Base, Kind};
 
-use crate::identify::shooting::Candidate;
+use crate::fit::Candidate;
 use crate::recording::Units;
 use crate::simulate::experiment::Experiment;
 

@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::{Data, WARM_UP_S};
 use super::spectrum;
-use crate::identify::shooting::{Candidate, Segment};
-use crate::identify::track::{Track, median};
+use crate::fit::track::{Track, median};
+use crate::fit::{Candidate, Segment};
 use crate::identify::weak::{self, Window};
 
 /// Half-widths of the windows in which periodic effects are looked for as well, s.

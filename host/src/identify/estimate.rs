@@ -5,11 +5,11 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use nalgebra::{DMatrix, DVector};
 
 use super::cycles;
-use super::shooting::{self, Candidate, Fit, Free, Problem};
 use super::slow_log;
 use super::swapped;
-use super::track::{self, Track, median};
 use super::weak::{self, WeakFit, Window};
+use crate::fit::track::{self, Track, median};
+use crate::fit::{self, Candidate, Fit, Free, Problem};
 use crate::recording::Recording;
 
 /// Segments of the output-error fit, s (docs/theory.md, section 5).
@@ -340,15 +340,15 @@ fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> Estimate {
 }
 
 /// At most [`MAX_SEGMENTS`] segments, evenly taken.
-pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<shooting::Segment> {
-    let all = shooting::segments(tracks, length_s);
+pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<fit::Segment> {
+    let all = fit::segments(tracks, length_s);
     if all.len() <= MAX_SEGMENTS {
         return all;
     }
     (0..MAX_SEGMENTS).map(|i| all[i * all.len() / MAX_SEGMENTS]).collect()
 }
 
-fn output_error<'a>(tracks: &'a [Track], segments: &'a [shooting::Segment], noise: f64) -> Problem<'a> {
+fn output_error<'a>(tracks: &'a [Track], segments: &'a [fit::Segment], noise: f64) -> Problem<'a> {
     let sigma = noise.max(f64::MIN_POSITIVE);
     Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None }
 }

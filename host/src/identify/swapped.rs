@@ -1,7 +1,8 @@
 //! Drive and position in each other's place.
 
 use super::estimate::{SIGNIFICANCE, both_directions, from_weak, negative, solve_base, unexplained};
-use super::{track, weak};
+use super::weak;
+use crate::fit::track;
 use crate::recording::Recording;
 
 /// Share of what one assignment of the columns leaves unexplained below which the other one is the right one. A controller makes

@@ -2,7 +2,7 @@
 
 use crate::discover::data::Data;
 use crate::discover::decide::{Paired, TIED_Z, paired};
-use crate::identify::shooting::Fit;
+use crate::fit::Fit;
 
 pub(super) use crate::discover::decide::{FURTHER, NAMING};
 

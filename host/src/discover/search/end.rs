@@ -9,7 +9,7 @@ use super::table::{nearest, parameters, rivals, table};
 use crate::discover::data::Data;
 use crate::discover::gap::{Gap, open_loop_squares, root_mean};
 use crate::discover::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
-use crate::identify::shooting::{Covariance, Fit};
+use crate::fit::{Covariance, Fit};
 
 /// Two fits that the recordings do not tell apart.
 pub(in crate::discover) struct Tie {

@@ -9,7 +9,7 @@ use super::descend::{FINAL_ITERATIONS, is_slow};
 use crate::discover::data::{Data, FIT_SEGMENT_S};
 use crate::discover::model::Model;
 use crate::discover::screen::{Screen, Start as Point};
-use crate::identify::shooting::{Fit, Problem, Segment, Start};
+use crate::fit::{Fit, Problem, Segment, Start};
 
 /// One in so many segments is a part, but at least so many are.
 const PART: usize = 3;

@@ -10,7 +10,7 @@ use super::refine::along_levels;
 use crate::discover::data::Data;
 use crate::discover::gap::Gap;
 use crate::discover::model::Model;
-use crate::identify::shooting::Fit;
+use crate::fit::Fit;
 
 /// A model of the beam.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
 
 use crate::discover::data::Data;
 use crate::discover::screen::stroke;
-use crate::identify::shooting::Candidate;
+use crate::fit::Candidate;
 
 /// Share of a sample's time below which a delay or a lag of the drive is not believed: the solver's own error is a like share.
 const LEAST_OF_A_SAMPLE: f64 = 0.01;

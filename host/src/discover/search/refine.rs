@@ -7,7 +7,7 @@ use super::descend::{FINAL_ITERATIONS, LAST_ITERATIONS, converged};
 use crate::discover::data::Data;
 use crate::discover::decide::paired;
 use crate::discover::model::Model;
-use crate::identify::shooting::{Fit, Free, Problem};
+use crate::fit::{Fit, Free, Problem};
 
 /// Nats that a refinement gains at the least, beside the price of its parameters.
 const WORTH: f64 = 10.0;

@@ -6,7 +6,7 @@ use super::add::{Round, look_alike};
 use super::compare::{NAMING, as_good, better, gain, names, simplest};
 use crate::discover::decide::Thresholds;
 use crate::discover::outcome::{CandidateRow, ParameterValue, Rival};
-use crate::identify::shooting::{Candidate, Covariance, Fit, Free};
+use crate::fit::{Candidate, Covariance, Fit, Free};
 use crate::model::catalogue::unit;
 use crate::recording::Units;
 

@@ -7,7 +7,7 @@ use super::compare::{as_good, better, names};
 use super::contest::confusable;
 use crate::discover::data::Data;
 use crate::discover::decide::{Paired, paired};
-use crate::identify::shooting::{Candidate, Fit, Free};
+use crate::fit::{Candidate, Fit, Free};
 
 const SEGMENTS: usize = 50;
 /// Effective samples of a segment.

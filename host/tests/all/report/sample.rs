@@ -4,7 +4,7 @@ use breakaway::discover::outcome::{
     CandidateRow, Discovery, NamedEffect, NextExperiment, Overlay, ParameterValue, Provenance, Rival, Rung, Verdict,
     WhereRow,
 };
-use breakaway::identify::shooting::Candidate;
+use breakaway::fit::Candidate;
 use breakaway::recording::Units;
 use breakaway::simulate::experiment::{Excitation, Experiment, Sensor};
 use breakaway_core::plant::{Base, Kind};

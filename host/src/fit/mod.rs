@@ -13,17 +13,20 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 mod bounds;
+pub mod candidate;
+pub mod dual;
 mod equations;
 mod lost;
 mod mend;
 mod prior;
+pub mod track;
 mod warm_up;
 
-pub use super::candidate::{Candidate, Free};
-use super::dual::Dual;
-use super::track::Track;
-use super::track::median;
+pub use candidate::{Candidate, Free};
+use dual::Dual;
 use equations::{Normal, Sums};
+use track::Track;
+use track::median;
 use warm_up::placed;
 
 /// A segment counts for at least this many samples, however smooth its residual: misfit differs from one to the next.

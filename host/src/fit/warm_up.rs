@@ -6,7 +6,7 @@ use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
 
 use super::{Problem, Segment};
-use crate::identify::track::Track;
+use crate::fit::track::Track;
 
 impl Problem<'_> {
     /// The state that the motion before the segment leaves, to be [`placed`] at a start.

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::lost::Trials;
 use super::{Problem, Segment, Start};
-use crate::identify::candidate::Candidate;
-use crate::identify::track::{HALF_WIDTH_S, median};
+use crate::fit::candidate::Candidate;
+use crate::fit::track::{HALF_WIDTH_S, median};
 
 /// A segment is looked at whose mean square is above this multiple of the median segment's, and of the floor: that of 400
 /// samples of noise is within 1 ± 0.25.

@@ -2,7 +2,7 @@
 //! is one of impacts.
 
 use super::{Problem, Start};
-use crate::identify::candidate::Candidate;
+use crate::fit::candidate::Candidate;
 
 /// Noise deviations by which a second body's position is expected to differ from what the motion before the segment says
 /// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::*;
-use crate::identify::track;
+use crate::fit::track;
 use crate::recording::{Recording, Units};
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Problem, Segment, Start};
-use crate::identify::candidate::Candidate;
-use crate::identify::track::root_mean_square;
+use crate::fit::candidate::Candidate;
+use crate::fit::track::root_mean_square;
 
 /// Normal equations of the parameters, the initial states eliminated.
 struct Reduced {

@@ -3,7 +3,7 @@
 use breakaway_core::plant::Base;
 
 use super::Problem;
-use crate::identify::track::Track;
+use crate::fit::track::Track;
 
 /// Forces of inertia and viscous friction at typical acceleration and speed, and of Coulomb friction, in a fit, as multiples of the
 /// largest drive, at the most. Where an effect that is not in the model moves the axis to and fro, all three would grow beyond

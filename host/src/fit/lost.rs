@@ -8,7 +8,7 @@ use breakaway_core::plant::{Plant, State};
 use super::mend::CAUGHT;
 use super::warm_up::placed;
 use super::{Problem, Segment, Start};
-use crate::identify::candidate::Candidate;
+use crate::fit::candidate::Candidate;
 
 /// Positions tried over the gap to either side, and velocities up to twice the segment's typical speed to either side.
 const WIDE: i32 = 4;
