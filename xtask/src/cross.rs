@@ -29,15 +29,15 @@ const FLASH: &str = "flash";
 /// Optimised for speed: the virtual board's link counts, not its flash.
 const RELEASE: &str = "release";
 
-/// What must build, with the title of its step.
+/// What must build, with the title of its step. In the images' profile, so that what they need is built once.
 pub const BUILDS: [(&str, &Build); 2] = [
     (
         "build for Cortex-M4F (core, firmware)",
-        &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[], profile: "dev" },
+        &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[], profile: FLASH },
     ),
     (
         "build for Cortex-M0+ (core)",
-        &Build { target: M0, packages: &["breakaway-core"], arguments: &[], profile: "dev" },
+        &Build { target: M0, packages: &["breakaway-core"], arguments: &[], profile: FLASH },
     ),
 ];
 

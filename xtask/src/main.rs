@@ -131,6 +131,7 @@ mod tests {
 
     use super::Task;
     use super::commands::{Program, lines, pages};
+    use super::run::root;
 
     /// Every `cargo xtask` line of the README and the pages; those of `breakaway` are tested in tests/tests/all/docs.rs.
     #[test]
@@ -146,5 +147,17 @@ mod tests {
             }
         }
         assert!(seen >= 5, "only {seen} lines were found");
+    }
+
+    /// `cargo run` without a name, as the README has it: of the default members one names the program to run.
+    #[test]
+    fn cargo_run_without_a_name_runs_the_command() {
+        let manifest = |folder: &str| -> toml::Table {
+            toml::from_str(&std::fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap()).unwrap()
+        };
+        let members = manifest("")["workspace"]["default-members"].as_array().unwrap().clone();
+        let packages = members.iter().map(|member| manifest(member.as_str().unwrap())["package"].clone());
+        let named: Vec<_> = packages.filter_map(|package| Some(package.get("default-run")?.to_string())).collect();
+        assert_eq!(named, ["\"breakaway\""]);
     }
 }

@@ -220,6 +220,11 @@ fn named_tests_and_examples_exist() {
                 let file = package.join(place).join(name);
                 let found = file.with_extension("rs").exists() || file.join("main.rs").exists();
                 assert!(found, "{page}: `{command}`: no {name} in {}", package.join(place).display());
+                // Of a program with all tests a module is named.
+                let module = (*name == "all").then(|| words.iter().find_map(|word| word.strip_suffix("::"))).flatten();
+                let is_there =
+                    |module: &str| file.join(module).exists() || file.join(module).with_extension("rs").exists();
+                assert!(module.is_none_or(is_there), "{page}: `{command}`: no such module");
                 seen += 1;
             }
         }
