@@ -17,6 +17,7 @@ use super::outcome::{Discovery, Overlay, Provenance};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
+use super::unweighed;
 use super::where_map;
 use crate::fit::track::Track;
 use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
@@ -109,21 +110,20 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let ruling = judge::ruling::rule(&judged, radians(&units), &judge::settings::Settings::default());
     let ruling = ruling.map(|ruling| ruling.beside(known));
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
-    let mut found = match by_force {
-        Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
-        Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small) if corroboration::believed(request, ruling.as_ref(), &small, &by_force) => {
-                by_force::with_ties(small, ruling.as_ref())
-            }
-            _ => by_force,
-        },
-        Some(Err(_)) | None => {
-            let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
-            if corroboration::stands_alone(request, ruling.as_ref(), &small) {
-                small
-            } else {
-                small.without_names(known.len())
-            }
+    let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
+        let small = (!is_rough(ruling, &by_force))
+            .then(|| small_effects::found(request, &units, Some(ruling), progress).ok())
+            .flatten();
+        match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
+            Some(small) => by_force::with_ties(small, Some(ruling)),
+            None => unweighed::compared(request, &units, ruling, by_force, progress),
+        }
+    } else {
+        let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
+        if corroboration::stands_alone(request, ruling.as_ref(), &small) {
+            small
+        } else {
+            small.without_names(known.len())
         }
     };
     found.force = ruling.as_ref().map(by_force::force);

@@ -18,6 +18,11 @@ const BODIES: usize = 27;
 /// Most recordings that may each have a phase of their own.
 const MOST_PHASES: usize = 12;
 
+/// Whether columns of a window stand for an effect. What holds at rest, and what strikes, acts in less than a window.
+pub const fn weighs(kind: Kind) -> bool {
+    !matches!(kind, Kind::Stiction | Kind::Backlash)
+}
+
 /// What the columns are made of.
 pub struct Library<'a> {
     form: &'a WeakForm<'a>,

@@ -29,6 +29,7 @@ use add::{Round, add};
 use compare::{NAMING, has_body};
 use node::Node;
 
+pub(super) use contest::{Standing, confusable, stand_ins};
 pub(super) use descend::{fit_softly, settled};
 pub(super) use end::{Ended, Tie, rung};
 pub(super) use table::parameters;
