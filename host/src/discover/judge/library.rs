@@ -1,5 +1,7 @@
 //! Columns of every effect that the judge knows, and of the decoys that stand for something else.
 
+use std::sync::Arc;
+
 use breakaway_core::plant::Kind;
 
 use super::sides::{Fitted, Model, Weights};
@@ -138,9 +140,9 @@ impl<'a> Library<'a> {
             let columns = fields.into_iter();
             let mut term = effect(kind, Vec::new());
             term.u = if kind == Kind::EncoderEccentricity {
-                columns.map(Column::Displacement).collect()
+                columns.map(Column::displacement).collect()
             } else {
-                columns.map(Column::Force).collect()
+                columns.map(Column::force).collect()
             };
             // Amplitude and phase, however many recordings have a phase of their own.
             term.size = 2;
@@ -190,8 +192,8 @@ impl<'a> Library<'a> {
 
     fn periodic(&self) -> Vec<Term> {
         let form = self.form;
-        let direction = form.means(&form.direction);
-        let signed: Vec<f64> = self.residual.iter().zip(&direction).map(|(r, s)| r * s).collect();
+        let direction = &form.row_direction;
+        let signed: Vec<f64> = self.residual.iter().zip(direction).map(|(r, s)| r * s).collect();
         let mut terms = Vec::new();
         let seen = |k: &f64| self.turns_seen(*k) >= LEAST_TURNS;
         for k in peaks(form, self.residual, self.weights, Over::Position, LINES).into_iter().filter(seen) {
@@ -263,7 +265,7 @@ impl<'a> Library<'a> {
                 // Twice the critical damping is no resonance any more, but something that yields.
                 let name = if zeta > 1.0 { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
                 let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
-                term.u = vec![Column::Displacement(self.load(omega, zeta))];
+                term.u = vec![Column::displacement(self.load(omega, zeta))];
                 term.body = Some([omega, zeta]);
                 terms.push(term.signed(Sign::Positive));
             }
@@ -336,7 +338,7 @@ impl<'a> Library<'a> {
         }
         let of = |drive: &Field| self.field(|s| drive[s.piece][s.k].abs() * s.direction);
         let mut load = effect(Kind::LoadFriction, vec![of(&self.predicted)]).signed(Sign::Positive);
-        load.a = vec![Column::Force(of(&self.arrived))];
+        load.a = vec![Column::force(of(&self.arrived))];
         load.holds_drive = true;
         terms.push(load);
         if has(|a| !matches!(a, Arrival::Delay(_) | Arrival::Lag(_))) {
@@ -373,7 +375,7 @@ impl<'a> Library<'a> {
         if self.drive_varies() {
             let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
             let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
-            term.a = vec![Column::Force(of(&self.arrived))];
+            term.a = vec![Column::force(of(&self.arrived))];
             term.holds_drive = true;
             terms.push(term);
         }
@@ -389,8 +391,8 @@ impl<'a> Library<'a> {
             let after =
                 |values: &[f64]| values.iter().zip(&times).map(|(a, t)| if *t > instant { *a } else { 0.0 }).collect();
             let mut term = effect(Kind::InertiaStep, Vec::new()).with(1, instant);
-            term.u = vec![Column::Windows(after(&form.row_a))];
-            term.a = vec![Column::Windows(after(&self.predicted_a))];
+            term.u = vec![Column::Windows(Arc::new(after(&form.row_a)))];
+            term.a = vec![Column::Windows(Arc::new(after(&self.predicted_a)))];
             terms.push(term);
         }
         terms
@@ -423,7 +425,7 @@ impl<'a> Library<'a> {
                 self.field(|s| if class(&places, s.x) / 3 == i { drive[s.piece][s.k] } else { 0.0 })
             };
             let mut term = decoy("gain over position", (1..4).map(|i| gain(&self.predicted, i)).collect());
-            term.a = (1..4).map(|i| Column::Force(gain(&self.arrived, i))).collect();
+            term.a = (1..4).map(|i| Column::force(gain(&self.arrived, i))).collect();
             terms.push(term);
         }
         if (2..=MOST_PHASES).contains(&form.dataset.recordings) {
