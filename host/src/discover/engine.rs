@@ -4,13 +4,14 @@
 use std::time::Instant;
 
 use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
-use breakaway_core::plant::{Base, Effect};
+use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::by_force;
 use super::corroboration;
 use super::data::Data;
 use super::gap::open_loop_squares;
 use super::judge;
+use super::judge::library::weighs;
 use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, Overlay, Provenance};
@@ -111,15 +112,16 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let ruling = ruling.map(|ruling| ruling.beside(known));
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
-        let small = (!is_rough(ruling, &by_force))
-            .then(|| small_effects::found(request, &units, Some(ruling), progress).ok())
+        let kinds = left_to_the_motion(ruling, &by_force);
+        let small = (!kinds.is_empty())
+            .then(|| small_effects::found(request, &units, Some(ruling), &kinds, progress).ok())
             .flatten();
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
             Some(small) => by_force::with_ties(small, Some(ruling)),
             None => unweighed::compared(request, &units, ruling, by_force, progress),
         }
     } else {
-        let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
+        let small = small_effects::found(request, &units, ruling.as_ref(), Kind::ALL, progress)?;
         if corroboration::stands_alone(request, ruling.as_ref(), &small) {
             small
         } else {
@@ -131,18 +133,22 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     Ok(found)
 }
 
-/// Whether the simulated motion can tell no more than the measured forces: the machine is shaken by more than its sensor's noise, or
-/// what was found repeats over position, where a simulated rotor is soon off by a tooth.
-fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
+/// The effects that the simulated motion is asked for. It can tell nothing where the machine moves by far more than its sensor's noise,
+/// or where what was found repeats over position and a simulated rotor is soon off by a tooth. Where random torque explains what is
+/// left, the measured forces have weighed all but the effects that act in less than a window.
+fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
+    let ripples =
+        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
+    if ripples || found.over_noise() > ROUGH {
+        return Vec::new();
+    }
     let [simulated, left, z] = SHAKEN;
     let remainder = &ruling.remainder;
     let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
         && remainder.over_noise > left
         && remainder.predictable.is_none()
         && remainder.significance < z;
-    let ripples =
-        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
-    shaken || ripples || found.over_noise() > ROUGH
+    Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
 }
 
 /// Radians in a position unit; `None` where the position is no angle.

@@ -3,7 +3,7 @@
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Weights};
-use super::term::{Name, Sign, Term};
+use super::term::{Sign, Term};
 use super::weak_form::WeakForm;
 
 /// Gains of one side.
@@ -203,8 +203,7 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
         Sign::Any => true,
         Sign::Positive => value > 0.0,
     };
-    let too_large = term.name == Name::Effect(breakaway_core::plant::Kind::LoadFriction) && *u >= 1.0;
-    !within(*u) || !within(*a) || too_large
+    !within(*u) || !within(*a)
 }
 
 /// Residual energy of side U over that of a fit without the motion: a mean and a direction.

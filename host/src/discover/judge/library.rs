@@ -17,6 +17,9 @@ const LEAST_LEFT: f64 = 0.1;
 const LEAST_TURNS: f64 = 2.0;
 /// Angular frequencies of second bodies that are tried.
 const BODIES: usize = 27;
+/// Shares of the drive that a friction by load may take: less is no friction of gears, and at all of it nothing would move.
+const LEAST_LOAD: f64 = 0.01;
+const MOST_LOAD: f64 = 0.9;
 /// Most recordings that may each have a phase of their own.
 const MOST_PHASES: usize = 12;
 
@@ -336,12 +339,14 @@ impl<'a> Library<'a> {
         if !self.drive_varies() {
             return terms;
         }
-        let of = |drive: &Field| self.field(|s| drive[s.piece][s.k].abs() * s.direction);
-        let mut load = effect(Kind::LoadFriction, vec![of(&self.predicted)]).signed(Sign::Positive);
-        load.a = vec![Column::force(of(&self.arrived))];
-        load.holds_drive = true;
-        terms.push(load);
-        if has(|a| !matches!(a, Arrival::Delay(_) | Arrival::Lag(_))) {
+        if !has(|a| matches!(a, Arrival::Load(_))) {
+            let mut k = LEAST_LOAD;
+            while k < MOST_LOAD {
+                terms.push(arriving(Kind::LoadFriction, Arrival::Load(k), &[k]));
+                k *= 1.3;
+            }
+        }
+        if has(|a| !matches!(a, Arrival::Delay(_) | Arrival::Lag(_) | Arrival::Load(_))) {
             return terms;
         }
         let largest = self.largest_drive;

@@ -108,8 +108,9 @@ impl Model {
     pub fn arrived(&self, form: &WeakForm<'_>) -> Field {
         let mut drive: Field = form.dataset.pieces.iter().map(|p| p.u.clone()).collect();
         for arrival in self.terms.iter().filter_map(|term| term.drive) {
-            for ((u, v), piece) in drive.iter_mut().zip(&form.v).zip(&form.dataset.pieces) {
-                *u = arrive(u, v, piece.h_s, arrival);
+            let motion = form.v.iter().zip(&form.direction).zip(&form.dataset.pieces);
+            for (u, ((v, direction), piece)) in drive.iter_mut().zip(motion) {
+                *u = arrive(u, (v, direction), piece.h_s, arrival);
             }
         }
         drive
@@ -266,8 +267,8 @@ fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -
     each.collect()
 }
 
-/// The drive as it arrives.
-pub fn arrive(u: &[f64], v: &[f64], h_s: f64, arrival: Arrival) -> Vec<f64> {
+/// The drive as it arrives, of an axis that moves with velocity `v` in `direction`.
+pub fn arrive(u: &[f64], (v, direction): (&[f64], &[f64]), h_s: f64, arrival: Arrival) -> Vec<f64> {
     match arrival {
         Arrival::Delay(delay_s) => {
             let (whole, share) = {
@@ -280,6 +281,7 @@ pub fn arrive(u: &[f64], v: &[f64], h_s: f64, arrival: Arrival) -> Vec<f64> {
         }
         Arrival::Limit(limit) => u.iter().map(|u| u.clamp(-limit, limit)).collect(),
         Arrival::DeadZone(d) => u.iter().map(|u| u - u.clamp(-d, d)).collect(),
+        Arrival::Load(k) => u.iter().zip(direction).map(|(u, s)| u - k * u.abs() * s).collect(),
         Arrival::DeadTime([d, edge, emf]) => {
             u.iter().zip(v).map(|(u, v)| u - d * ((u - emf * v) / edge).clamp(-1.0, 1.0)).collect()
         }

@@ -109,6 +109,8 @@ pub enum Arrival {
     Limit(f64),
     /// Less this, drive units, and nothing below it.
     DeadZone(f64),
+    /// Less the friction that this share of its magnitude makes against the motion.
+    Load(f64),
     /// Less the share of this that the current i = u − Ke·v, clipped at an edge, is of the edge; drive units: d, edge, Ke.
     DeadTime([f64; 3]),
 }
