@@ -18,8 +18,7 @@ use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::where_map;
-use crate::fit::track::Track;
-use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
+use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
 use crate::identify::estimate::{self, IdentifyError};
 use crate::recording::{Recording, Units};
 

@@ -8,8 +8,7 @@ use super::cycles;
 use super::slow_log;
 use super::swapped;
 use super::weak::{self, WeakFit, Window};
-use crate::fit::track::{self, Track, median};
-use crate::fit::{self, Candidate, Fit, Free, Problem};
+use crate::fit::{self, Candidate, Fit, Free, Problem, Track, median, session};
 use crate::recording::Recording;
 
 /// Segments of the output-error fit, s (docs/theory.md, section 5).
@@ -162,7 +161,7 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, Iden
     if recordings.is_empty() {
         return Err(IdentifyError::Nothing);
     }
-    let tracks = track::session(recordings);
+    let tracks = session(recordings);
     let windows = weak::windows(&tracks);
     if windows.len() < 12 {
         return Err(IdentifyError::TooLittleMotion { windows: windows.len() });

@@ -11,8 +11,7 @@ use super::compare::{as_good, better, gain, has_body};
 use super::descend::LAST_ITERATIONS;
 use super::node::Node;
 use crate::discover::gap::Gap;
-use crate::fit::Fit;
-use crate::fit::track::median;
+use crate::fit::{Fit, median};
 
 /// Changes of a model per effect, at the most.
 const CHANGES: usize = 2;
