@@ -1,8 +1,13 @@
 //! From recordings to a base model: the estimators, and the choice between them.
 
 pub mod cycles;
+mod determined;
+mod equation_error;
+mod error;
 pub mod estimate;
+mod output_error;
 pub mod relay;
+mod result;
 mod slow_log;
 mod swapped;
 pub mod weak;

@@ -4,7 +4,8 @@
 //! controller holds samples of a drive that went on changing: on average that is half an interval late. The other extreme is a
 //! drive that goes straight from row to row. Both are tried, and what they differ by is an error that no residual shows.
 
-use super::estimate::{Estimate, Identified, assuming_held, weakly_determined};
+use super::determined::weakly_determined;
+use super::estimate::{Estimate, Identified, assuming_held};
 use super::weak;
 use crate::recording::Recording;
 

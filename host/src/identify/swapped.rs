@@ -1,6 +1,6 @@
 //! Drive and position in each other's place.
 
-use super::estimate::{SIGNIFICANCE, both_directions, from_weak, negative, solve_base, unexplained};
+use super::equation_error::{SIGNIFICANCE, both_directions, from_weak, negative, solve_base, unexplained};
 use super::weak;
 use crate::fit::session;
 use crate::recording::Recording;
