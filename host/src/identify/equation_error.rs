@@ -6,6 +6,8 @@ use super::error::IdentifyError;
 use super::result::{Estimate, Value};
 use super::weak::{self, WeakFit, Window};
 
+/// The estimator's name.
+pub(super) const WEAK_FORM: &str = "weak_form";
 /// Standard errors from which a negative friction is taken at its word.
 pub(super) const SIGNIFICANCE: f64 = 4.0;
 /// A drive that follows the direction of motion to within this share is friction and nothing else.
@@ -72,5 +74,5 @@ pub(super) fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, Iden
 
 pub(super) fn from_weak(fit: &WeakFit, both: bool) -> Estimate {
     let value = |i: usize| Value { value: fit.coefficients[i], se: fit.covariance[(i, i)].max(0.0).sqrt() };
-    Estimate { estimator: "weak_form", b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
+    Estimate { estimator: WEAK_FORM, b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
 }

@@ -1,40 +1,79 @@
 //! The base model of a set of recordings: every estimator that applies, which one to trust, and what the data cannot
 //! determine.
 
+use super::choice;
 use super::cycles;
 use super::determined::{significant_load, weakly_determined};
-use super::equation_error::{both_directions, from_weak, negative, solve_base, unexplained};
-use super::output_error::{fitted_from, from_fit, output_error, small_inertia};
+use super::equation_error::{WEAK_FORM, both_directions, from_weak, negative, solve_base, unexplained};
+use super::output_error::{
+    FIT_SEGMENT_S, OUTPUT_ERROR, fitted_from, from_fit, output_error, sampled_segments, small_inertia,
+};
 use super::slow_log;
 use super::swapped;
 use super::weak;
 use crate::fit::{Track, median, session};
 use crate::recording::Recording;
 
+pub use super::choice::{Choice, Reason};
 pub use super::error::IdentifyError;
-pub use super::output_error::{FIT_SEGMENT_S, MAX_SEGMENTS, sampled_segments};
+pub use super::held_out::Comparison;
 pub use super::result::{Estimate, Identified, Undetermined, Value};
 
 /// Share of the drive that even a model with effects missing explains.
 const MOST_UNEXPLAINED: f64 = 0.3;
 /// The residual counts as white while the median segment's mean square stays below this multiple of the noise's.
-const WHITE_RATIO: f64 = 1.5;
+pub(super) const WHITE_RATIO: f64 = 1.5;
 
-/// Identifies (b, c, f1) and a constant load from recordings of one session.
+/// Identifies (b, c, f1) and a constant load from recordings of one session, by the estimator that predicts held-out blocks better.
 ///
 /// # Errors
 /// [`IdentifyError`] says what is missing and which experiment would supply it.
 pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
-    let mut identified = assuming_held(recordings)?;
+    let (mut identified, prepared) = assuming_held(recordings)?;
+    choose(&mut identified, &prepared);
+    Ok(finished(identified, recordings))
+}
+
+/// The same without holding blocks out, in a third of the time: a model to start a fit from.
+///
+/// # Errors
+/// As [`identify`].
+pub fn starting_model(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+    Ok(finished(assuming_held(recordings)?.0, recordings))
+}
+
+/// With the errors that an unknown drive between rows makes, and the load if it is significant then.
+fn finished(mut identified: Identified, recordings: &[Recording]) -> Identified {
     if slow_log::is_slow(recordings) {
         identified = slow_log::with_unknown_drive(identified, recordings);
     }
     identified.load = significant_load(&identified.best);
-    Ok(identified)
+    identified
 }
 
-/// Identifies with the drive held from row to row.
-pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+/// Compares both estimators on held-out blocks, and reports the one that predicts them better.
+fn choose(identified: &mut Identified, prepared: &Prepared) {
+    let found = |name| identified.estimates.iter().find(|estimate| estimate.estimator == name).cloned();
+    let (Some(weak), Some(simulated)) = (found(WEAK_FORM), found(OUTPUT_ERROR)) else { return };
+    // An inertia that equation error does not find leaves nothing to choose.
+    if weak.b.value <= 0.0 {
+        return;
+    }
+    let problem = output_error(&prepared.tracks, &[], identified.noise);
+    let comparison = choice::compare(&problem, &prepared.windows, prepared.both);
+    identified.choice = choice::choose(comparison, identified.white);
+    identified.best = if identified.choice.estimator == OUTPUT_ERROR { simulated } else { weak };
+}
+
+/// What the estimators work on.
+pub(super) struct Prepared {
+    tracks: Vec<Track>,
+    windows: Vec<weak::Window>,
+    both: bool,
+}
+
+/// Identifies with the drive held from row to row; the estimator reported is that of a tie.
+pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identified, Prepared), IdentifyError> {
     if recordings.is_empty() {
         return Err(IdentifyError::Nothing);
     }
@@ -90,9 +129,12 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, Iden
         white = simulation_error.powi(2) < WHITE_RATIO * noise * noise;
     }
     estimates.extend(simulated.clone());
-    let best = match simulated {
-        Some(simulated) if white || biased => simulated,
-        _ => weak_estimate,
+    let short = Choice { estimator: if white { OUTPUT_ERROR } else { WEAK_FORM }, reason: Reason::Short { white } };
+    let (best, choice) = match simulated {
+        Some(simulated) if biased => (simulated, Choice { estimator: OUTPUT_ERROR, reason: Reason::Only }),
+        Some(simulated) if white => (simulated, short),
+        Some(_) => (weak_estimate, short),
+        None => (weak_estimate, Choice { estimator: WEAK_FORM, reason: Reason::Only }),
     };
     if best.b.value <= 0.0 {
         let advice = "the axis accelerates too little: record faster reversals, such as a relay experiment";
@@ -102,7 +144,7 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, Iden
     let cycles = cycles::estimates(recordings, &tracks);
     estimates.extend(cycles.estimates);
     remarks.extend(cycles.remarks);
-    Ok(Identified {
+    let identified = Identified {
         load: significant_load(&best),
         best,
         estimates,
@@ -113,7 +155,9 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<Identified, Iden
         white,
         remarks,
         fit,
-    })
+        choice,
+    };
+    Ok((identified, Prepared { tracks, windows, both }))
 }
 
 /// Work of the drive on the motion, drive units times position units: friction takes it up, so it is positive, unless drive or
@@ -143,14 +187,12 @@ fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
         if differ && white {
             remarks.push(
                 "weak_form and output_error differ by more than their errors. The simulation follows the recording down to its \
-                 noise, so the weak form is biased, by noise or by reversals within its windows. The output-error numbers are \
-                 reported"
+                 noise, so the weak form is biased, by noise or by reversals within its windows"
                     .into(),
             );
         } else if differ {
             remarks.push(
-                "weak_form and output_error differ by more than their errors, because the model misses something. A missing \
-                 force biases the simulation over 0.4 s more than the forces over 40 ms. The weak-form numbers are reported"
+                "weak_form and output_error differ by more than their errors, because the model misses something"
                     .into(),
             );
         } else {

@@ -1,10 +1,12 @@
 //! From recordings to a base model: the estimators, and the choice between them.
 
+mod choice;
 pub mod cycles;
 mod determined;
 mod equation_error;
 mod error;
 pub mod estimate;
+mod held_out;
 mod output_error;
 pub mod relay;
 mod result;

@@ -5,10 +5,14 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::result::{Estimate, Value};
 use crate::fit::{self, Candidate, Fit, Free, Problem, Track};
 
+/// The estimator's name.
+pub(super) const OUTPUT_ERROR: &str = "output_error";
+/// Iterations of its fit: from an estimate that is a few per cent off it converges in fewer.
+pub(super) const FIT_ITERATIONS: usize = 15;
 /// Segments of the output-error fit, s (docs/theory.md, section 5).
-pub const FIT_SEGMENT_S: f64 = 0.4;
+pub(super) const FIT_SEGMENT_S: f64 = 0.4;
 /// Most segments that are simulated; longer sessions are sampled evenly.
-pub const MAX_SEGMENTS: usize = 160;
+pub(super) const MAX_SEGMENTS: usize = 160;
 
 /// An inertia to start from where equation error gives none: its force is a tenth of the drive.
 pub(super) fn small_inertia(tracks: &[Track]) -> f64 {
@@ -21,7 +25,7 @@ pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> Estimate
     let se = |free| errors.standard_error(free).unwrap_or(f64::NAN);
     let Base { b, c, f1 } = fit.candidate.base;
     Estimate {
-        estimator: "output_error",
+        estimator: OUTPUT_ERROR,
         b: Value { value: b, se: se(Free::Base(0)) },
         c: Value { value: c, se: se(Free::Base(1)) },
         f1: Value { value: f1, se: se(Free::Base(2)) },
@@ -30,7 +34,7 @@ pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> Estimate
 }
 
 /// At most [`MAX_SEGMENTS`] segments, evenly taken.
-pub fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<fit::Segment> {
+pub(super) fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<fit::Segment> {
     let all = fit::segments(tracks, length_s);
     if all.len() <= MAX_SEGMENTS {
         return all;
@@ -44,9 +48,13 @@ pub(super) fn output_error<'a>(tracks: &'a [Track], segments: &'a [fit::Segment]
 }
 
 pub(super) fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {
-    let base = Base { b: start.b.value, c: start.c.value.max(0.0), f1: start.f1.value.max(0.0) };
-    let effects: Vec<Effect<f64>> =
-        start.load.iter().map(|load| Effect::new(Kind::ConstantLoad, &[load.value])).collect();
-    let candidate = Candidate { base, effects };
-    problem.fit(&candidate, &Free::all(&candidate.effects), None, 15).ok()
+    let candidate = model_of(start);
+    problem.fit(&candidate, &Free::all(&candidate.effects), None, FIT_ITERATIONS).ok()
+}
+
+/// The model of an estimate; a negative friction is none.
+pub(super) fn model_of(estimate: &Estimate) -> Candidate {
+    let base = Base { b: estimate.b.value, c: estimate.c.value.max(0.0), f1: estimate.f1.value.max(0.0) };
+    let load = estimate.load.iter().map(|load| Effect::new(Kind::ConstantLoad, &[load.value]));
+    Candidate { base, effects: load.collect() }
 }

@@ -1,5 +1,6 @@
 //! What an identification gives: numbers with errors, the estimators' answers, what stays open.
 
+use super::choice::Choice;
 use crate::fit::Fit;
 
 /// A number with its standard error.
@@ -40,6 +41,8 @@ pub struct Undetermined {
 pub struct Identified {
     /// The estimate to use.
     pub best: Estimate,
+    /// Whose it is, and why.
+    pub choice: Choice,
     /// All estimates.
     pub estimates: Vec<Estimate>,
     /// The load, if it is significant.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::choice;
 use super::figure::{Figure, Ink, Loop, Series, Strip, loops, stack};
 use super::page::{Section, list, table};
 use super::text::{escape, number, quantity, with_error};
@@ -197,7 +198,9 @@ fn model(story: &Story<'_>) -> String {
         })
         .collect();
     out.push_str(&table(&[("estimator", ""), ("b", "q"), ("c", "q"), ("f1", "q")], &rows));
+    let sentence = format!("Reported: {}.", choice::choice(&story.identified.choice));
     // Writing to a String cannot fail.
+    let _ = writeln!(out, "<p>{}</p>", escape(&sentence));
     let _ = writeln!(
         out,
         "<p class=\"note\">Noise of the position {}; simulation error over 0.4 s {}.</p>",
