@@ -24,7 +24,7 @@ use crate::report::json::Quantity;
 
 JSON: b, c, f1, load (value, se, unit; load null where it is not significant), undetermined (parameter, advice),
 noise (of the position), estimator, why, held_out (blocks, error_ratio, t; null where none was held out), estimates (of every
-estimator), white, simulation_error,
+estimator), gravity (travel_rad, blocks, error_ratio, t, helps; null where it was not tried), white, simulation_error,
 residual_correlation, remarks.")]
 pub struct Args {
     /// Recordings of one session
@@ -57,9 +57,17 @@ struct Missing {
 #[derive(Debug, Serialize)]
 struct HeldOut {
     blocks: usize,
-    /// Error of what is not reported over the error of what is.
+    /// Error of what is not reported, or of the base, over the error of what is, or of the base with gravity.
     error_ratio: f64,
     t: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Gravity {
+    travel_rad: f64,
+    #[serde(flatten)]
+    held_out: HeldOut,
+    helps: bool,
 }
 
 /// The JSON document.
@@ -75,6 +83,7 @@ struct Document {
     why: String,
     held_out: Option<HeldOut>,
     estimates: Vec<Row>,
+    gravity: Option<Gravity>,
     white: bool,
     simulation_error: f64,
     residual_correlation: f64,
@@ -118,10 +127,15 @@ impl Document {
             why: choice::choice(&result.choice),
             held_out: result.choice.comparison().map(HeldOut::new),
             estimates: result.estimates.iter().map(|estimate| Row::new(estimate, units)).collect(),
+            gravity: result.gravity.as_ref().map(|trial| Gravity {
+                travel_rad: trial.travel_rad,
+                held_out: HeldOut::new(&trial.comparison),
+                helps: trial.helps(),
+            }),
             white: result.white,
             simulation_error: result.simulation_error,
             residual_correlation: result.residual_correlation,
-            remarks: result.remarks.clone(),
+            remarks: result.remarks.iter().cloned().chain(result.gravity.iter().map(choice::gravity)).collect(),
         }
     }
 }

@@ -5,6 +5,7 @@ use super::choice;
 use super::cycles;
 use super::determined::{significant_load, weakly_determined};
 use super::equation_error::{WEAK_FORM, both_directions, from_weak, negative, solve_base, unexplained};
+use super::gravity;
 use super::output_error::{
     FIT_SEGMENT_S, OUTPUT_ERROR, fitted_from, from_fit, output_error, sampled_segments, small_inertia,
 };
@@ -16,6 +17,7 @@ use crate::recording::Recording;
 
 pub use super::choice::{Choice, Reason};
 pub use super::error::IdentifyError;
+pub use super::gravity::GravityTrial;
 pub use super::held_out::Comparison;
 pub use super::result::{Estimate, Identified, Undetermined, Value};
 
@@ -31,7 +33,11 @@ pub(super) const WHITE_RATIO: f64 = 1.5;
 pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
     let (mut identified, prepared) = assuming_held(recordings)?;
     choose(&mut identified, &prepared);
-    Ok(finished(identified, recordings))
+    let mut identified = finished(identified, recordings);
+    if !identified.white {
+        identified.gravity = gravity::tried(recordings, identified.best.estimator);
+    }
+    Ok(identified)
 }
 
 /// The same without holding blocks out, in a third of the time: a model to start a fit from.
@@ -156,6 +162,7 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identified, Pre
         remarks,
         fit,
         choice,
+        gravity: None,
     };
     Ok((identified, Prepared { tracks, windows, both }))
 }

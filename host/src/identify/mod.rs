@@ -6,6 +6,7 @@ mod determined;
 mod equation_error;
 mod error;
 pub mod estimate;
+mod gravity;
 mod held_out;
 mod output_error;
 pub mod relay;

@@ -1,6 +1,7 @@
 //! What an identification gives: numbers with errors, the estimators' answers, what stays open.
 
 use super::choice::Choice;
+use super::gravity::GravityTrial;
 use crate::fit::Fit;
 
 /// A number with its standard error.
@@ -57,6 +58,8 @@ pub struct Identified {
     pub residual_correlation: f64,
     /// Whether the simulation error is down to the noise.
     pub white: bool,
+    /// Gravity beside the base, where the position is an angle, the motion covers enough of it, and the model misses something.
+    pub gravity: Option<GravityTrial>,
     /// Remarks for the reader.
     pub remarks: Vec<String>,
     /// The output-error fit.

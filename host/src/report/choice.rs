@@ -1,7 +1,7 @@
-//! Which estimator is reported and why, in sentences.
+//! Which estimator is reported and why, and whether gravity would help: in sentences.
 
 use super::text::number;
-use crate::identify::estimate::{Choice, Comparison, Reason};
+use crate::identify::estimate::{Choice, Comparison, GravityTrial, Reason};
 
 /// The estimator's name and the reason for it.
 pub fn choice(choice: &Choice) -> String {
@@ -28,6 +28,26 @@ pub fn choice(choice: &Choice) -> String {
             format!("{name}. The recordings are too short to hold blocks out. {}", otherwise(white))
         }
         Reason::Only => format!("{name}, because the other estimator gives no axis"),
+    }
+}
+
+/// What adding gravity does to the prediction, and how to go on.
+pub fn gravity(trial: &GravityTrial) -> String {
+    let GravityTrial { travel_rad, comparison } = trial;
+    let travel = number(*travel_rad, 2);
+    if trial.helps() {
+        format!(
+            "gravity lowers the error of held-out prediction by {} % ({}); the motion covers {travel} rad. Go on with `breakaway \
+             discover`, with the same recordings and columns",
+            number(100.0 * (1.0 - 1.0 / comparison.ratio()), 2),
+            blocks(comparison)
+        )
+    } else {
+        format!(
+            "gravity was tried, since the motion covers {travel} rad of an angle: it does not lower the error of held-out \
+             prediction ({})",
+            blocks(comparison)
+        )
     }
 }
 

@@ -198,9 +198,12 @@ fn model(story: &Story<'_>) -> String {
         })
         .collect();
     out.push_str(&table(&[("estimator", ""), ("b", "q"), ("c", "q"), ("f1", "q")], &rows));
-    let sentence = format!("Reported: {}.", choice::choice(&story.identified.choice));
+    let mut sentences = vec![format!("Reported: {}.", choice::choice(&story.identified.choice))];
+    sentences.extend(story.identified.gravity.iter().map(|trial| format!("Note: {}.", choice::gravity(trial))));
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "<p>{}</p>", escape(&sentence));
+    for sentence in sentences {
+        let _ = writeln!(out, "<p>{}</p>", escape(&sentence));
+    }
     let _ = writeln!(
         out,
         "<p class=\"note\">Noise of the position {}; simulation error over 0.4 s {}.</p>",

@@ -1,4 +1,4 @@
-//! What `identify` reports: the estimator that predicts held-out blocks better.
+//! What `identify` reports: the estimator that predicts held-out blocks better, and gravity where it would help.
 
 use std::fs;
 use std::path::Path;
@@ -106,9 +106,48 @@ fn a_short_recording_says_that_nothing_was_held_out() {
     assert!(choice::choice(&found.choice).contains("too short to hold blocks out"));
 }
 
-/// The command says which estimator it reports and why, on the terminal and in the document.
+/// A pendulum: gravity lowers the error of prediction, in whatever unit of angle. Where the position is a length, or its unit is not
+/// known, there is no gravity to speak of.
 #[test]
-fn the_command_says_why() {
+fn a_pendulum_is_offered_gravity() {
+    let gravity = [Effect::new(Kind::GravityLoad, &[0.3, 0.4])];
+    for seed in 0..3 {
+        let recordings = relays(&gravity, "rad", 5e-4, seed);
+        let found = identify(&recordings).unwrap();
+        let trial = found.gravity.expect("the motion covers more than a radian");
+        println!("{seed}: {}", choice::gravity(&trial));
+        assert!(trial.helps() && trial.travel_rad > 1.0, "{seed}: {trial:?}");
+        assert!(choice::gravity(&trial).contains("`breakaway discover`"));
+        let in_unit = |unit: &str, factor: f64| -> Vec<Recording> {
+            let scaled = |r: &Recording| Recording {
+                x: r.x.iter().map(|x| x * factor).collect(),
+                encoder_step: r.encoder_step.map(|step| step * factor),
+                units: Units { x: unit.into(), ..r.units.clone() },
+                ..r.clone()
+            };
+            recordings.iter().map(scaled).collect()
+        };
+        assert!(identify(&in_unit("deg", 1.0_f64.to_degrees())).unwrap().gravity.unwrap().helps(), "{seed}");
+        assert_eq!(identify(&in_unit("m", 1.0)).unwrap().gravity, None);
+        assert_eq!(identify(&in_unit("x", 1.0)).unwrap().gravity, None);
+    }
+}
+
+/// No offer: nothing is missing, or it is friction that is.
+#[test]
+fn an_axis_without_gravity_is_not_offered_any() {
+    for seed in 0..3 {
+        assert_eq!(identify(&relays(&[], "rad", 5e-4, seed)).unwrap().gravity, None);
+        let lugre = [Effect::new(Kind::LuGre, &[40.0, 0.3, 0.25, 0.5])];
+        let trial = identify(&relays(&lugre, "rad", 5e-4, seed)).unwrap().gravity.expect("it was tried");
+        println!("{seed}: {}", choice::gravity(&trial));
+        assert!(!trial.helps(), "{seed}: {trial:?}");
+    }
+}
+
+/// The command says which estimator it reports and why, and how to go on, on the terminal and in the document.
+#[test]
+fn the_command_says_why_and_how_to_go_on() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path();
     let model = "[base]\nb = 0.02685\nc = 0.11\nf1 = 0.5\n[units]\nu = \"V\"\nx = \"rad\"\n[[effect]]\nname = \"gravity_load\"\n\
@@ -126,6 +165,8 @@ fn the_command_says_why() {
         "{said}"
     );
     assert_eq!(document["held_out"]["blocks"], 11);
+    assert_eq!(document["gravity"]["helps"], true);
+    assert!(said.contains("Go on with `breakaway discover`"), "{said}");
 }
 
 fn run(place: &Path, arguments: &[&str]) -> String {
