@@ -3,8 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use crate::fit::track::{self, Track, median};
-use crate::fit::{self, Problem, Segment};
+use crate::fit::{self, Problem, Segment, Track, median, session};
 use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
@@ -49,7 +48,7 @@ pub struct Data {
 impl Data {
     /// Prepares recordings in segments of `segment_s`. Without `holdout` the last third of every recording is held out.
     pub fn new(recordings: &[Recording], holdout: &[Recording], segment_s: f64) -> Self {
-        let tracks = track::session(recordings.iter().chain(holdout));
+        let tracks = session(recordings.iter().chain(holdout));
         let segments = fit::segments(&tracks, segment_s);
         let open = fit::segments(&tracks, OPEN_LOOP_S);
         let held_out = |segment: &Segment| {

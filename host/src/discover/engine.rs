@@ -20,8 +20,7 @@ use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::unweighed;
 use super::where_map;
-use crate::fit::track::Track;
-use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
+use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
 use crate::identify::estimate::{self, IdentifyError};
 use crate::recording::{Recording, Units};
 
@@ -283,7 +282,7 @@ fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Re
 /// The models to start from, and what identifying them from the recordings had to say: the given one; else by the estimators on the
 /// motion, and by the measured forces.
 fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Candidate>, Vec<String>), DiscoverError> {
-    let identified = estimate::identify(&request.recordings);
+    let identified = estimate::starting_model(&request.recordings);
     let by_force = ruling.map(|ruling| ruling.base).filter(|base| base.b > 0.0);
     let own = identified.as_ref().ok().map(|identified| {
         let best = &identified.best;

@@ -1,8 +1,7 @@
 //! The gap against numbers worked out by hand, and every bound of what is decided on it, from both sides.
 
 use super::*;
-use crate::fit::Candidate;
-use crate::fit::track::Track;
+use crate::fit::{Candidate, Track};
 use breakaway_core::plant::Base;
 
 /// Far from every bound: a gap that an effect can explain.

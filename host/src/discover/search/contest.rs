@@ -13,8 +13,7 @@ use super::node::Node;
 use crate::discover::data::Data;
 use crate::discover::gap::Gap;
 use crate::discover::model::Model;
-use crate::fit::Fit;
-use crate::fit::track::median;
+use crate::fit::{Fit, median};
 
 /// Changes of a model per effect, at the most.
 const CHANGES: usize = 2;
