@@ -1,10 +1,11 @@
 //! Faults: the drive goes off, the cause and its numbers are kept, through a reset, until a command clears them.
 
-use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply};
+use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply, Trajectory};
 use breakaway_firmware::board::Trip;
 use breakaway_rig::relay;
 
 use crate::bench::{Bench, World, settings};
+use crate::track::{model, pid, track};
 
 /// A relay experiment in full swing.
 fn running() -> Bench {
@@ -48,6 +49,25 @@ fn a_frozen_encoder() {
         world.frozen = Some((world.plant.state.x / 1e-3) as i32);
     });
     assert_eq!((record.value, record.limit), (200, 200));
+}
+
+/// One channel of the encoder dead: the live one makes the count toggle by 1, which is no motion.
+#[test]
+fn a_dead_channel_of_the_encoder() {
+    let mut bench = running();
+    let record = after(&mut bench, 200 + 362, FaultCause::EncoderFrozen, |world| {
+        world.dead_channel = Some((world.plant.state.x / 1e-3) as i32);
+    });
+    assert_eq!((record.value, record.limit), (200, 200));
+    // Dead from the start, under a controller: from the error on at which the drive is frozen_drive_code, a quarter of a turn
+    // of the sine at the most.
+    let mut bench = Bench::new();
+    bench.world.0.borrow_mut().dead_channel = Some(0);
+    assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+    let sine = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+    assert_eq!(bench.command(track(sine, pid(), false)), Reply::Done);
+    assert_eq!(bench.until_ended(500 + 200).ending, Ending::Fault(FaultCause::EncoderFrozen));
+    assert!(!bench.world.0.borrow().enabled);
 }
 
 #[test]

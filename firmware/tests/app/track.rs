@@ -22,7 +22,7 @@ pub fn pid() -> Controller {
     Controller::Pid(Pid { kp: (kd * gains.lambda2) as f32, ki: (kd * gains.lambda1) as f32, kd: kd as f32 })
 }
 
-fn adaptive() -> Controller {
+pub fn adaptive() -> Controller {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     Controller::Adaptive(Adaptive {
         kv: gains.kv as f32,
@@ -33,7 +33,7 @@ fn adaptive() -> Controller {
     })
 }
 
-fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
+pub fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
     let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
     Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
 }

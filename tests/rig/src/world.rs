@@ -33,6 +33,12 @@ pub struct World<P> {
     pub now_us: u32,
     /// The count at which the encoder stands still.
     pub frozen: Option<i32>,
+    /// One channel of the encoder is dead: the count toggles between this and the next.
+    pub dead_channel: Option<i32>,
+    /// Largest count added to the encoder's or taken from it, at random; 0: none.
+    pub noise_counts: i32,
+    /// State of the noise.
+    pub noise: u32,
     /// Added to the encoder's count.
     pub jump: i32,
     /// The encoder fails.
@@ -76,9 +82,15 @@ impl<P> Clone for Shared<P> {
 impl<P: Motion> Encoder for Shared<P> {
     type Error = ();
     fn count(&mut self) -> Result<i32, ()> {
-        let world = self.0.borrow();
+        let mut world = self.0.borrow_mut();
         let count = world.plant.counts() * if world.reversed { -1 } else { 1 };
-        if world.dead_encoder { Err(()) } else { Ok(world.frozen.unwrap_or(count) + world.jump) }
+        // Of the four states in a line, the live channel is high in two.
+        let toggled = world.dead_channel.map(|at| at + i32::from(matches!(count.rem_euclid(4), 1 | 2)));
+        let count = world.frozen.or(toggled).unwrap_or(count) + world.jump;
+        let values = 2 * world.noise_counts.unsigned_abs() + 1;
+        world.noise = world.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = ((u64::from(world.noise) * u64::from(values)) >> 32) as i32 - world.noise_counts;
+        if world.dead_encoder { Err(()) } else { Ok(count + noise) }
     }
 }
 

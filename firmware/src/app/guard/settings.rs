@@ -21,7 +21,7 @@ pub struct Guards {
     pub mean_drive_code: i16,
     /// The mean is a leaky average over 2^shift ticks: about a second.
     pub mean_shift: u8,
-    /// Guard: ticks without a count at [`Self::frozen_drive_code`] or more.
+    /// Guard: ticks without motion (4 counts) at [`Self::frozen_drive_code`] or more.
     pub frozen_ticks: u32,
     /// Guard: drive at which the axis must move, drive codes.
     pub frozen_drive_code: i16,

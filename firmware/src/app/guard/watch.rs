@@ -42,6 +42,9 @@ pub(in crate::app) struct Watch {
     speed: i32,
     /// Leaky average of |drive|, times 2^shift: below 2¹⁵·2¹⁶.
     mean_drive: u32,
+    /// The count at the last motion: the axis moves when it leaves a window around it.
+    anchor: i32,
+    /// Ticks of drive since then.
     still_ticks: u32,
     silent_ticks: u32,
     /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
@@ -51,6 +54,10 @@ pub(in crate::app) struct Watch {
     /// The axis has moved since the start of the run.
     moved: bool,
 }
+
+/// Counts that are motion: a line of the encoder, in which both channels have changed. With one channel dead the count toggles
+/// by 1, and an edge that stands under a transition by 1 too.
+const MOTION_COUNTS: u32 = 4;
 
 /// Ticks of the speed's average, as a power of two: with it, 16 times the mean counts per tick.
 const SPEED_SHIFT: u32 = 4;
@@ -68,6 +75,7 @@ impl Watch {
             may_stick: held < frozen_drive,
             speed: 0,
             mean_drive: 0,
+            anchor: start,
             still_ticks: 0,
             silent_ticks: 0,
             first_drive: Some(0),
@@ -84,7 +92,11 @@ impl Watch {
     #[inline]
     pub(in crate::app) fn look(&mut self, guards: &Guards, seen: Observation) -> Verdict {
         let distance = travel(self.start, seen.count);
-        if seen.moved == 0 && i32::from(seen.drive).abs() >= self.frozen_drive {
+        if travel(self.anchor, seen.count).unsigned_abs() >= MOTION_COUNTS {
+            self.anchor = seen.count;
+            self.moved = true;
+            self.still_ticks = 0;
+        } else if i32::from(seen.drive).abs() >= self.frozen_drive {
             self.still_ticks = self.still_ticks.saturating_add(1);
             if self.still_ticks >= guards.frozen_ticks {
                 return self.frozen(guards);
@@ -92,7 +104,6 @@ impl Watch {
         } else {
             self.still_ticks = 0;
         }
-        self.moved |= distance.unsigned_abs() >= 2;
         if self.against(guards, seen, distance) {
             return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
         }
