@@ -39,8 +39,8 @@ pub struct FaultRecord {
 /// What raises a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaultCause {
-    /// Driven at `frozen_drive_code` or more for `frozen_ticks` (value: ticks) without motion, which is 4 counts: the encoder
-    /// or one of its channels is dead.
+    /// Driven at `frozen_drive_code` or more, either way, for `frozen_ticks` in all (value: ticks) without motion, which is 4
+    /// counts: the encoder or one of its channels is dead.
     EncoderFrozen,
     /// The count changed by more than `jump_counts` in one tick (value: counts).
     EncoderJump,

@@ -19,7 +19,7 @@ pub struct Settings {
     pub current_max_ma: u32,
     /// Limit: |drive| averaged over about a second, drive codes, ≥ 1: what the motor stands for long.
     pub mean_drive_max_code: i16,
-    /// Guard: driven for this many ticks without motion (4 counts) is a frozen encoder, 1 ..= 2²⁴.
+    /// Guard: driven for this many ticks in all without motion (4 counts) is a frozen encoder, 1 ..= 2²⁴.
     pub frozen_ticks: u32,
     /// Guard: |drive| from which the axis is expected to move, drive codes, ≥ 1.
     pub frozen_drive_code: i16,

@@ -1,8 +1,11 @@
 //! Faults: the drive goes off, the cause and its numbers are kept, through a reset, until a command clears them.
 
-use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply, Trajectory};
+use breakaway_core::excite::waveform::Shape;
+use breakaway_core::link::{
+    Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Trajectory,
+};
 use breakaway_firmware::board::Trip;
-use breakaway_rig::relay;
+use breakaway_rig::{code, relay};
 
 use crate::bench::{Bench, World, settings};
 use crate::track::{model, pid, track};
@@ -68,6 +71,26 @@ fn a_dead_channel_of_the_encoder() {
     assert_eq!(bench.command(track(sine, pid(), false)), Reply::Done);
     assert_eq!(bench.until_ended(500 + 200).ending, Ending::Fault(FaultCause::EncoderFrozen));
     assert!(!bench.world.0.borrow().enabled);
+}
+
+/// A frozen encoder under a drive that changes its sign in less than `frozen_ticks`: the drive of a sine of 5 Hz is at
+/// frozen_drive_code for two thirds of its 200 ticks, never for 200 in a row.
+#[test]
+fn a_frozen_encoder_under_an_alternating_drive() {
+    let mut bench = Bench::new();
+    bench.world.0.borrow_mut().frozen = Some(0);
+    let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
+    let phase_step = 21_474_836; // 5 Hz at 1 kHz
+    let sine = OpenLoop { shape: Shape::Sine, amplitude_code: code(2.5), phase_step, centring_q16: 0, bounds };
+    assert_eq!(bench.command(Command::StartDrive(sine)), Reply::Done);
+    let ended = bench.until_ended(4100);
+    assert_eq!(ended.ending, Ending::Fault(FaultCause::EncoderFrozen));
+    // 67 ticks of each half period, up to 5/6 of it: the 200th is in the third.
+    assert!((281..=285).contains(&ended.ticks), "{ended:?}");
+    // The same drive on an encoder that works: 2.5 V at 5 Hz moves the axis by 2·2.5/(b·ω²) = 0.19 rad, and friction brakes it.
+    let mut bench = Bench::new();
+    assert_eq!(bench.command(Command::StartDrive(sine)), Reply::Done);
+    assert_eq!(bench.until_ended(4100).ending, Ending::TimeUp);
 }
 
 #[test]

@@ -44,7 +44,8 @@ pub(in crate::app) struct Watch {
     mean_drive: u32,
     /// The count at the last motion: the axis moves when it leaves a window around it.
     anchor: i32,
-    /// Ticks of drive since then.
+    /// Ticks since then with a drive at which it must move, in all and whichever way: a drive that changes its sign, or is weaker
+    /// for a while, is no motion.
     still_ticks: u32,
     silent_ticks: u32,
     /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
@@ -101,8 +102,6 @@ impl Watch {
             if self.still_ticks >= guards.frozen_ticks {
                 return self.frozen(guards);
             }
-        } else {
-            self.still_ticks = 0;
         }
         if self.against(guards, seen, distance) {
             return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
