@@ -64,8 +64,8 @@ pub enum FaultCause {
     SettingsLost,
     /// The saved model was damaged or of another version; none is loaded.
     ModelLost,
-    /// From rest the axis moved against the drive (value: counts): encoder or motor is connected the wrong way round,
-    /// and no loop may be closed.
+    /// The axis gains speed against the drive (value: its work so far, in counts at `frozen_drive_code`): encoder or motor is
+    /// connected the wrong way round, and no loop may be closed.
     WrongDirection,
     /// The device was reset (pin, supply) while the drive was on (value: tick at which the run had started).
     ResetWhileDriven,

@@ -22,11 +22,18 @@ pub struct Axis {
     pub state: State<f64>,
     pub base: Base<f64>,
     pub effects: Vec<Effect<f64>>,
+    /// Drive of the ticks so far, V: what a delay looks back on.
+    pub past: Vec<f64>,
 }
 
 impl Default for Axis {
     fn default() -> Self {
-        Self { state: Plant { base: PLANT, effects: &[] }.at_rest(0.0), base: PLANT, effects: Vec::new() }
+        Self {
+            state: Plant { base: PLANT, effects: &[] }.at_rest(0.0),
+            base: PLANT,
+            effects: Vec::new(),
+            past: Vec::new(),
+        }
     }
 }
 
@@ -36,8 +43,9 @@ impl Motion for Axis {
     }
     fn advance(&mut self, code: i16) {
         let volts = f64::from(code) / f64::from(FULL_SCALE_CODE) * FULL_SCALE;
+        self.past.push(volts);
         let plant = Plant { base: self.base, effects: &self.effects };
-        plant.advance(&mut self.state, Held { u: &[volts], ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
+        plant.advance(&mut self.state, Held { u: &self.past, ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
     }
 }
 

@@ -4,11 +4,12 @@ use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Trajectory,
 };
+use breakaway_core::plant::{Effect, Kind, Plant};
 use breakaway_firmware::board::Trip;
-use breakaway_rig::{code, relay};
+use breakaway_rig::{Motion, code, relay};
 
 use crate::bench::{Bench, World, settings};
-use crate::track::{model, pid, track};
+use crate::track::{adaptive, model, pid, track};
 
 /// A relay experiment in full swing.
 fn running() -> Bench {
@@ -121,6 +122,106 @@ fn a_reversed_encoder_closes_no_loop() {
     bench.events.clear();
     assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 1500))), Reply::Done);
     assert_eq!(bench.until_ended(1600).ending, Ending::TimeUp);
+}
+
+/// Noise of a count makes the drive change its sign before the axis has moved; the guard watches all the same.
+#[test]
+fn a_reversed_encoder_with_noise_closes_no_loop() {
+    let limit = 64;
+    for noise_counts in [1, 2] {
+        let mut worst = [0_i32; 3];
+        for seed in 0..20_u32 {
+            let world = |bench: &Bench| {
+                let mut world = bench.world.0.borrow_mut();
+                (world.reversed, world.noise_counts, world.noise) =
+                    (true, noise_counts, seed.wrapping_mul(0x9e37_79b9));
+            };
+            let relays = Command::StartRelay(relay(2.0, 1.5, 4000));
+            let sine = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+            let runs = [relays, track(sine, pid(), false), track(sine, adaptive(), false)];
+            for (command, worst) in runs.into_iter().zip(&mut worst) {
+                let mut bench = Bench::new();
+                world(&bench);
+                assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+                assert_eq!(bench.command(command), Reply::Done);
+                let ended = bench.until_ended(5000);
+                assert_eq!(ended.ending, Ending::Fault(FaultCause::WrongDirection), "{noise_counts} {seed} {ended:?}");
+                assert_eq!(bench.fault().unwrap().limit, limit);
+                *worst = (*worst).max(bench.world.0.borrow().plant.counts().abs());
+            }
+        }
+        println!("noise {noise_counts}: worst travel in counts, relay, PID, adaptive: {worst:?}");
+        // Where the drive goes off: twice what is asked of the guard.
+        assert!(worst.iter().all(|counts| *counts < 2 * limit), "{worst:?}");
+    }
+}
+
+/// What stores energy, comes late, is loaded or swings along moves against its drive for a while; none of it is a reversed
+/// encoder. At rest before each run; then a second run that starts while the axis coasts.
+#[test]
+fn machines_that_are_right_are_not_taken_for_reversed() {
+    let machines: &[(Kind, &[f64])] = &[
+        (Kind::Delay, &[0.005]),
+        (Kind::ElectricalLag, &[0.004]),
+        (Kind::ConstantLoad, &[0.45]),
+        (Kind::ConstantLoad, &[-0.45]),
+        (Kind::GravityLoad, &[0.45, 0.0]),
+        (Kind::GravityLoad, &[2.0, 0.0]),
+        (Kind::Spring, &[2.0, 0.0]),
+        (Kind::Spring, &[0.5, 0.0]),
+        (Kind::Cogging, &[0.45, 7.0, 0.5]),
+        (Kind::Backlash, &[0.05, 0.6, 0.3]),
+        (Kind::FlexibleCoupling, &[0.6, 60.0, 0.02]),
+        (Kind::Stribeck, &[0.3, 0.5]),
+        (Kind::LoadFriction, &[0.2]),
+        (Kind::TimePeriodic, &[0.3, 20.0, 0.0]),
+    ];
+    let sine = |hz: f64| {
+        let phase_step = (hz / 1000.0 * 4_294_967_296.0) as u32;
+        let bounds = Bounds { max_ticks: 3000, ..Bounds::default() };
+        Command::StartDrive(OpenLoop {
+            shape: Shape::Sine,
+            amplitude_code: code(2.5),
+            phase_step,
+            centring_q16: 0,
+            bounds,
+        })
+    };
+    let reference = Trajectory::Sine { amplitude: 1.0, period_s: 1.0 };
+    for (kind, parameters) in machines {
+        for noise_counts in [0, 2] {
+            let runs = [
+                Command::StartRelay(relay(2.0, 1.5, 3000)),
+                sine(0.5),
+                sine(3.0),
+                sine(17.0),
+                track(reference, pid(), false),
+                track(reference, adaptive(), true),
+            ];
+            for (first, then) in runs.iter().zip(runs.iter().cycle().skip(1)) {
+                let mut bench = Bench::new();
+                {
+                    let mut world = bench.world.0.borrow_mut();
+                    world.noise_counts = noise_counts;
+                    let axis = &mut world.plant;
+                    axis.effects = vec![Effect::new(*kind, parameters)];
+                    axis.state = Plant { base: axis.base, effects: &axis.effects }.at_rest(0.0);
+                }
+                assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+                for command in [first, then] {
+                    bench.events.clear();
+                    assert_eq!(bench.command(command.clone()), Reply::Done);
+                    let ended = bench.until_ended(4100);
+                    // A spring holds the axis for the 200 ticks of the settings, which is a frozen encoder to the board.
+                    let wrong = Ending::Fault(FaultCause::WrongDirection);
+                    assert!(ended.ending != wrong, "{kind:?} {noise_counts} {command:?}: {ended:?}");
+                    if bench.fault().is_some() {
+                        assert_eq!(bench.command(Command::ClearFault), Reply::Done);
+                    }
+                }
+            }
+        }
+    }
 }
 
 #[test]

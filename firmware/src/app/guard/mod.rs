@@ -1,5 +1,6 @@
 //! Guards: what ends a run or latches a fault before the mode is asked for a drive. Integers only.
 
+mod direction;
 mod settings;
 mod watch;
 

@@ -2,6 +2,7 @@
 
 use breakaway_core::link::{Ending, FaultCause, Limit};
 
+use super::direction::Direction;
 use super::settings::Guards;
 use crate::app::run::RunLimits;
 use crate::board::travel;
@@ -48,10 +49,7 @@ pub(in crate::app) struct Watch {
     /// for a while, is no motion.
     still_ticks: u32,
     silent_ticks: u32,
-    /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
-    first_drive: Option<i32>,
-    /// Counts in the tick before the first drive.
-    coasting: i32,
+    direction: Direction,
     /// The axis has moved since the start of the run.
     moved: bool,
 }
@@ -79,8 +77,7 @@ impl Watch {
             anchor: start,
             still_ticks: 0,
             silent_ticks: 0,
-            first_drive: Some(0),
-            coasting: 0,
+            direction: Direction::new(guards, start, frozen_drive.min(held)),
             moved: false,
         }
     }
@@ -103,8 +100,8 @@ impl Watch {
                 return self.frozen(guards);
             }
         }
-        if self.against(guards, seen, distance) {
-            return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
+        if let Some(counts) = self.direction.wrong(guards, seen.count, seen.drive) {
+            return Verdict::Fault(FaultCause::WrongDirection, counts, guards.direction_counts);
         }
         self.silent_ticks = if seen.alive { 0 } else { self.silent_ticks.saturating_add(1) };
         if self.silent_ticks >= guards.silent_ticks {
@@ -147,26 +144,5 @@ impl Watch {
         }
         let ticks = |ticks| i32::try_from(ticks).unwrap_or(i32::MAX);
         Verdict::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
-    }
-
-    /// Whether the axis has gained speed against the drive, which has kept its sign since the start of the run. One that
-    /// was still coasting when the run started moves against it too, but loses speed.
-    fn against(&mut self, guards: &Guards, seen: Observation, distance: i32) -> bool {
-        let drive = i32::from(seen.drive);
-        let Some(first) = self.first_drive else {
-            return false;
-        };
-        if first == 0 {
-            self.coasting = seen.moved;
-            self.first_drive = Some(drive.signum());
-            return false;
-        }
-        if drive.signum() == -first {
-            self.first_drive = None;
-        }
-        let coasting = self.coasting.saturating_mul(-first).max(0);
-        let gained =
-            (self.speed >> SPEED_SHIFT).saturating_mul(-first) >= coasting.saturating_add(1).saturating_mul(16);
-        gained && distance.saturating_mul(-first) >= guards.direction_counts
     }
 }
