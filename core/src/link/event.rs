@@ -107,7 +107,8 @@ pub struct Ended {
     pub ticks: u32,
 }
 
-/// How an experiment ended. Only [`Ending::Settled`] and, where it was asked for, [`Ending::TimeUp`] are a success.
+/// How an experiment ended. Only [`Ending::Settled`], [`Ending::Homed`] and, where it was asked for, [`Ending::TimeUp`] are a
+/// success.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
     /// Its ticks are up.
@@ -122,7 +123,7 @@ pub enum Ending {
         /// Cycles seen.
         cycles: u16,
     },
-    /// There is no limit cycle: no motion, or it died (h2 ≤ f1).
+    /// There is no limit cycle: no motion, or it died (h2 ≤ f1). A push that moves nothing ends so too.
     NoLimitCycle,
     /// A limit was reached. This is not a fault.
     Limit {
@@ -135,6 +136,8 @@ pub enum Ending {
     Stopped,
     /// A fault.
     Fault(FaultCause),
+    /// A stop was found, and the count there is what was asked for.
+    Homed,
 }
 
 /// A limit of the settings or of the experiment.

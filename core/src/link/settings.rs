@@ -76,6 +76,12 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Whether both have the same travel limits.
+    #[must_use]
+    pub fn same_travel(&self, other: &Self) -> bool {
+        (self.travel_min_counts, self.travel_max_counts) == (other.travel_min_counts, other.travel_max_counts)
+    }
+
     /// Checks every range.
     ///
     /// # Errors

@@ -166,7 +166,7 @@ mod image {
         };
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
-        let start = guards(&loaded.settings, &identity);
+        let start = guards(&loaded, &identity);
         let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
         let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);

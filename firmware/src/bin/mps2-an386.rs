@@ -28,7 +28,7 @@ mod image {
         let (tick_end, app_end) = channels.split();
         let mut sums = Sums::new();
         let timing = TickSettings::at_rate(tick_hz);
-        let start = guards(&loaded.settings, &identity);
+        let start = guards(&loaded, &identity);
         let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let mut app = App::new(app_end, TrackController::default(), Link::new(), store, identity, loaded, &mut sums);
         loop {

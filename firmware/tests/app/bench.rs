@@ -24,6 +24,8 @@ pub struct Axis {
     pub effects: Vec<Effect<f64>>,
     /// Drive of the ticks so far, V: what a delay looks back on.
     pub past: Vec<f64>,
+    /// A stop that gives nothing, rad.
+    pub stop: Option<f64>,
 }
 
 impl Default for Axis {
@@ -33,6 +35,7 @@ impl Default for Axis {
             base: PLANT,
             effects: Vec::new(),
             past: Vec::new(),
+            stop: None,
         }
     }
 }
@@ -46,6 +49,9 @@ impl Motion for Axis {
         self.past.push(volts);
         let plant = Plant { base: self.base, effects: &self.effects };
         plant.advance(&mut self.state, Held { u: &self.past, ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
+        if let Some(stop) = self.stop.filter(|stop| self.state.x > *stop) {
+            (self.state.x, self.state.v) = (stop, 0.0);
+        }
     }
 }
 
@@ -85,16 +91,20 @@ impl Bench {
     }
 
     pub fn with_memory(retained: [u32; RETAINED_WORDS], settings: Settings) -> Self {
+        Self::loaded(retained, Loaded::defaults(settings))
+    }
+
+    /// With what a store says.
+    pub fn loaded(retained: [u32; RETAINED_WORDS], loaded: Loaded) -> Self {
         let world = Shared(Rc::new(RefCell::new(World { retained, ..World::default() })));
         let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ };
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));
         let (tick_end, app_end) = channels.split();
-        let guards = guards(&settings, &identity);
+        let guards = guards(&loaded, &identity);
         let tick =
             Tick::new(world.clone(), TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
         let sums = Box::leak(Box::new(Sums::new()));
-        let loaded = Loaded::defaults(settings);
         let app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, sums);
         Self {
             world,

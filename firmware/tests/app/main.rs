@@ -6,3 +6,4 @@ mod faults;
 mod identification;
 mod runs;
 mod track;
+mod zero;

@@ -27,6 +27,9 @@ pub const fn command_name(command: &Command) -> &'static str {
         Command::GetFault => "fault",
         Command::ClearFault => "clear",
         Command::Reboot => "reboot",
+        Command::Zero { .. } => "zero",
+        Command::Jog(_) => "jog",
+        Command::Home { .. } => "home",
     }
 }
 
@@ -47,6 +50,11 @@ pub fn refusal(error: &CommandError) -> String {
         }
         CommandError::OutsideTravel => {
             "the axis stands outside the travel limits: move it back, or change travel_min_counts and travel_max_counts"
+                .into()
+        }
+        CommandError::NotZeroed => {
+            "its saved travel limits count from a zero that is not known since its reset: `breakaway device … home` finds a \
+             stop, `zero` says where it stands"
                 .into()
         }
         other => other.to_string(),
@@ -158,6 +166,7 @@ pub fn ending(ending: Ending, scale: &Scale, settings: &Settings) -> String {
             }
         }
         Ending::Stopped => "stopped".into(),
+        Ending::Homed => "homed".into(),
         Ending::Fault(cause) => format!("fault {}", cause_name(cause)),
     }
 }

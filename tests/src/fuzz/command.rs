@@ -95,9 +95,9 @@ pub fn run(bytes: &[u8]) -> bool {
     let mut channels = Channels::new();
     let (tick_end, app_end) = channels.split();
     let at_rate = TickSettings::at_rate(TICK_HZ);
-    let guarding = guards(&settings, &identity);
-    let mut tick = Tick::new(world.clone(), TrackController::default(), tick_end, at_rate, guarding);
     let loaded = Loaded::defaults(settings);
+    let guarding = guards(&loaded, &identity);
+    let mut tick = Tick::new(world.clone(), TrackController::default(), tick_end, at_rate, guarding);
     let mut app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, &mut sums);
     let mut host = Host {
         world: world.clone(),

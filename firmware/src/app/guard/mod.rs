@@ -5,4 +5,4 @@ mod settings;
 mod watch;
 
 pub use settings::Guards;
-pub(super) use watch::{Observation, Verdict, Watch};
+pub(super) use watch::{Held, Observation, Verdict, Watch};

@@ -29,13 +29,15 @@ pub struct Guards {
     pub jump_counts: u32,
     /// Guard: work against the drive, in counts at [`Self::frozen_drive_code`].
     pub direction_counts: i32,
-    /// Guard: drive and motion are compared over so many ticks: a 64th of a second, 1 ..= 2¹⁰. Long beside the noise of single
+    /// Guard: drive and motion are compared over so many ticks: a 64th of a second, 16 ..= 2¹⁰. Long beside the noise of single
     /// counts and short beside the time in which an axis gains speed.
     pub block_ticks: u32,
     /// Guard: late ticks in a row.
     pub overruns: u8,
     /// Guard: ticks without a valid command.
     pub silent_ticks: u32,
+    /// The travel limits are referred to a zero that is not known since the reset.
+    pub zero_needed: bool,
     /// The encoder counts down when a positive drive moves the axis.
     pub reversed: bool,
 }
@@ -68,11 +70,18 @@ impl Guards {
             frozen_drive_code: settings.frozen_drive_code,
             jump_counts: settings.jump_counts,
             direction_counts: (settings.counts_per_revolution / 64).max(LEAST_DIRECTION) as i32,
-            block_ticks: 1 << mean_shift.saturating_sub(6),
+            block_ticks: 1 << mean_shift.saturating_sub(6).max(4),
             overruns: settings.overrun_limit,
             silent_ticks: u32::try_from(silent_ticks).unwrap_or(u32::MAX),
+            zero_needed: false,
             reversed: settings.encoder_reversed,
         }
+    }
+
+    /// These in force of `before`: limits that stay are not known better for it, and new ones count as the axis does now.
+    pub(in crate::app) fn after(self, before: &Self) -> Self {
+        let same = (self.travel_min, self.travel_max) == (before.travel_min, before.travel_max);
+        Self { zero_needed: before.zero_needed && same, ..self }
     }
 
     /// Ticks as milliseconds, for reports.

@@ -27,8 +27,19 @@ pub(in crate::app) enum Verdict {
     Fine,
     /// End the run.
     End(Ending),
+    /// End the run at a stop, where the count is this.
+    Stop(i32),
     /// Latch a fault: cause, value, limit.
     Fault(FaultCause, i32, i32),
+}
+
+/// What an excitation does when nothing moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::app) struct Held {
+    /// The drive that it holds, drive codes.
+    pub peak: Option<i32>,
+    /// The count at the stop that it seeks.
+    pub stop_at: Option<i32>,
 }
 
 /// What is remembered from the start of a run.
@@ -39,6 +50,8 @@ pub(in crate::app) struct Watch {
     frozen_drive: i32,
     /// Whether an axis that never moves ends the run (a relay below break-away) rather than be a fault.
     may_stick: bool,
+    /// Standing still after motion is a stop, where the count is this.
+    stop_at: Option<i32>,
     /// Leaky average of the counts in 16 ticks, times 16.
     speed: i32,
     /// Leaky average of |drive|, times 2^shift: below 2¹⁵·2¹⁶.
@@ -62,8 +75,9 @@ const MOTION_COUNTS: u32 = 4;
 const SPEED_SHIFT: u32 = 4;
 
 impl Watch {
-    /// From `start`, within `limits`; `peak` is the drive of a relay that nothing answers.
-    pub(in crate::app) fn new(guards: &Guards, limits: RunLimits, start: i32, peak: Option<i32>) -> Self {
+    /// From `start`, within `limits`.
+    pub(in crate::app) fn new(guards: &Guards, limits: RunLimits, start: i32, held: Held) -> Self {
+        let Held { peak, stop_at } = held;
         let frozen_drive = i32::from(guards.frozen_drive_code);
         // Cut by the limit it must still be seen.
         let held = peak.map_or(i32::MAX, |peak| (peak.min(i32::from(limits.drive_code)) * 3 / 4).max(1));
@@ -71,7 +85,8 @@ impl Watch {
             start,
             limits,
             frozen_drive: frozen_drive.min(held),
-            may_stick: held < frozen_drive,
+            may_stick: held < frozen_drive || stop_at.is_some(),
+            stop_at,
             speed: 0,
             mean_drive: 0,
             anchor: start,
@@ -116,7 +131,7 @@ impl Watch {
         if distance.unsigned_abs() > self.limits.travel_counts {
             return end(Limit::Bound, distance);
         }
-        if seen.count < guards.travel_min || seen.count > guards.travel_max {
+        if seen.count < self.limits.travel.0 || seen.count > self.limits.travel.1 {
             return end(Limit::Travel, seen.count);
         }
         let speed = self.speed >> SPEED_SHIFT;
@@ -139,6 +154,9 @@ impl Watch {
     /// must move, has lost its encoder.
     #[cold]
     fn frozen(&self, guards: &Guards) -> Verdict {
+        if let (Some(at), true) = (self.stop_at, self.moved) {
+            return Verdict::Stop(at);
+        }
         if self.may_stick && !self.moved {
             return Verdict::End(Ending::NoLimitCycle);
         }

@@ -57,6 +57,7 @@ enum Then {
     Nothing,
     Cleared,
     Settings(Settings),
+    Zeroed,
     Relay(Experiment),
     Track(Track),
 }
@@ -65,6 +66,7 @@ enum Then {
 const READ_BYTES: usize = 64;
 
 /// The application beside the tick.
+#[allow(clippy::struct_excessive_bools, reason = "each is so or not whatever the others are")]
 pub struct App<'q, 'a, P: Planner, W, S> {
     channels: AppEnd<'q, 'a, P::Plan>,
     planner: P,
@@ -74,6 +76,8 @@ pub struct App<'q, 'a, P: Planner, W, S> {
     settings: Settings,
     model: Option<Model>,
     saved: bool,
+    /// As the tick's guards have it.
+    zero_needed: bool,
     decoder: Decoder,
     outbox: Outbox,
     stream: Stream,
@@ -112,6 +116,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             settings: loaded.settings,
             model: loaded.model,
             saved: true,
+            zero_needed: loaded.zero_needed,
             decoder: Decoder::new(),
             outbox: Outbox::new(),
             stream: Stream::new(),
@@ -236,6 +241,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         if ended.mode == Mode::Track {
             self.drift.ended();
         }
+        self.zero_needed &= ended.ending != Ending::Homed;
         self.outbox.event(Event::ExperimentEnded(ended));
     }
 
@@ -250,8 +256,10 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         match then {
             Then::Nothing => {}
             Then::Cleared => self.fault = None,
+            Then::Zeroed => self.zero_needed = false,
             Then::Settings(settings) => {
                 self.saved &= settings == self.settings;
+                self.zero_needed &= settings.same_travel(&self.settings);
                 self.settings = settings;
             }
             Then::Relay(experiment) => self.identification.start(experiment),
@@ -298,7 +306,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     }
 }
 
-/// The tick's guards for settings.
-pub fn guards(settings: &Settings, identity: &Identity) -> Guards {
-    Guards::new(settings, identity.tick_hz)
+/// The tick's guards at the start.
+pub fn guards(loaded: &Loaded, identity: &Identity) -> Guards {
+    Guards { zero_needed: loaded.zero_needed, ..Guards::new(&loaded.settings, identity.tick_hz) }
 }

@@ -5,7 +5,7 @@ mod faults;
 mod orders;
 
 use breakaway_core::excite::waveform::{TABLE_POINTS, Table};
-use breakaway_core::link::{Ending, FaultCause, FaultRecord, Mode, Sample};
+use breakaway_core::link::{Bounds, Ending, FaultCause, FaultRecord, Mode, Sample};
 
 use super::accumulate::Accumulation;
 use super::channels::TickEnd;
@@ -52,6 +52,8 @@ pub struct Tick<'q, 'a, B: Board, C: Controller> {
     fault: Option<FaultRecord>,
     accumulation: Option<Accumulation<'a>>,
     applied: Applied,
+    /// Added to what the encoder says, counts: where zero is.
+    zero_offset: i32,
     now: u32,
     last_count: Option<i32>,
     last_start_us: Option<u32>,
@@ -85,6 +87,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
             fault: None,
             accumulation: None,
             applied: Applied::default(),
+            zero_offset: 0,
             now: 0,
             last_count: None,
             last_start_us: None,
@@ -116,7 +119,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
 
     /// The limits in force: those of the settings, tighter during a run that asked for it.
     pub fn limits(&self) -> RunLimits {
-        let settings = RunLimits::new(&self.guards, breakaway_core::link::Bounds::default());
+        let settings =
+            RunLimits::new(&self.guards, Bounds::default(), (self.guards.travel_min, self.guards.travel_max));
         self.run.as_ref().map_or(settings, |run| run.watch.limits())
     }
 
@@ -134,8 +138,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let alive = self.channels.alive();
         if let Ok(count) = self.board.encoder().count() {
             let count = if self.guards.reversed { count.wrapping_neg() } else { count };
-            self.obey(count);
-            self.pass(count, alive);
+            self.obey(count.wrapping_add(self.zero_offset));
+            self.pass(count.wrapping_add(self.zero_offset), alive);
         } else {
             // No sample: a position that was not read must not be recorded.
             self.fail(FaultCause::EncoderError, 0, 0);
@@ -194,6 +198,10 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         match run.watch.look(&self.guards, seen) {
             Verdict::Fine => {}
             Verdict::End(ending) => self.end(ending),
+            Verdict::Stop(at) => {
+                self.end(Ending::Homed);
+                self.zero(seen.count, at);
+            }
             Verdict::Fault(cause, value, limit) => self.fail(cause, value, limit),
         }
     }
