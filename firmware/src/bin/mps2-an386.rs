@@ -19,7 +19,8 @@ mod image {
                 break (tick_hz.max(1), settings);
             }
         };
-        let identity = Identity { board: "mps2-an386", build: env!("BREAKAWAY_BUILD"), tick_hz };
+        let identity =
+            Identity { board: "mps2-an386", build: env!("BREAKAWAY_BUILD"), tick_hz, measures_current: false };
         let Some(mut store) = FlashStore::new(SimulatedFlash::open(true), 0..4096) else {
             panic!("the simulated flash has two pages");
         };

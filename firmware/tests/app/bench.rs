@@ -97,7 +97,7 @@ impl Bench {
     /// With what a store says.
     pub fn loaded(retained: [u32; RETAINED_WORDS], loaded: Loaded) -> Self {
         let world = Shared(Rc::new(RefCell::new(World { retained, ..World::default() })));
-        let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ };
+        let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ, measures_current: false };
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));
         let (tick_end, app_end) = channels.split();

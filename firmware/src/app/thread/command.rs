@@ -29,6 +29,10 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::Hello => self.outbox.reply(id, Reply::Info(self.info())),
             Command::Status => self.outbox.reply(id, Reply::Status(self.status())),
             Command::GetSettings => self.outbox.reply(id, Reply::Settings(self.settings)),
+            // What nothing measures would protect nothing.
+            Command::SetSettings(settings) if settings.current_max_ma > 0 && !self.identity.measures_current => {
+                return Err(CommandError::Settings(Field::CurrentMax));
+            }
             Command::SetSettings(settings) => {
                 self.ask(id, Order::Guards(Guards::new(&settings, self.identity.tick_hz)), Then::Settings(settings));
             }

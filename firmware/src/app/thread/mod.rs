@@ -33,6 +33,8 @@ pub struct Identity {
     pub build: &'static str,
     /// Control ticks per second, ≥ 1.
     pub tick_hz: u32,
+    /// It measures the motor's current ([`crate::board::Protection::current_ma`]); else a limit of it is refused.
+    pub measures_current: bool,
 }
 
 /// What the main loop should do after a poll.
