@@ -46,7 +46,7 @@ pub enum FaultCause {
     EncoderJump,
     /// The encoder did not answer.
     EncoderError,
-    /// `overrun_limit` ticks in a row were late (value: ticks).
+    /// `overrun_limit` ticks in a row were late, or more did not come (value: ticks).
     TickOverrun,
     /// No command for `command_timeout_ms` while moving (value: ms).
     LinkLost,

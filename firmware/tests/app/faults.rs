@@ -244,6 +244,25 @@ fn late_ticks() {
     assert!(bench.status().overruns >= 20);
 }
 
+/// A debugger halts the core for 50 ms in mid-run, and lets it go on: the drive is off before the first tick after it drives.
+#[test]
+fn a_halt_of_the_core_is_not_driven_on() {
+    let mut bench = running();
+    let before = bench.world.0.borrow().drive;
+    bench.world.0.borrow_mut().now_us += 50_000;
+    bench.step();
+    assert!(before != 0 && bench.world.0.borrow().drive == 0 && !bench.world.0.borrow().enabled);
+    let record = bench.fault().unwrap();
+    // 51 periods where there should be one; three late ticks in a row are the settings' limit.
+    assert_eq!((record.cause, record.value, record.limit), (FaultCause::TickOverrun, 50, 3));
+    // While idle it is no fault.
+    let mut bench = Bench::new();
+    bench.steps(10);
+    bench.world.0.borrow_mut().now_us += 50_000;
+    bench.steps(10);
+    assert_eq!(bench.fault(), None);
+}
+
 #[test]
 fn trips_and_a_broken_power_stage() {
     let mut bench = running();

@@ -69,6 +69,16 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         }
     }
 
+    /// A tick came late: where more than the tolerated number is missing before it, nothing that was going on goes on.
+    #[cold]
+    pub(super) fn stood_still(&mut self, since_us: u32) {
+        let missing = (since_us / self.settings.period_us.max(1)).saturating_sub(1);
+        let tolerated = u32::from(self.guards.overruns);
+        if missing > tolerated && self.run.is_some() {
+            self.fail(FaultCause::TickOverrun, clamped(missing), clamped(tolerated));
+        }
+    }
+
     /// A tick came late or took too long.
     #[cold]
     pub(super) fn overrun(&mut self) {

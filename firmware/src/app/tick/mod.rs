@@ -38,7 +38,8 @@ impl TickSettings {
 /// [`Tick::tick`] is called once per period from the timer's interrupt, above everything that may take long. Its
 /// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half a
 /// period late, does not feed the watchdog; as many of them in a row as the settings say latch
-/// [`FaultCause::TickOverrun`] if a run is under way.
+/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is driven: a core
+/// that a debugger has halted does not go on driving.
 ///
 /// It never blocks, never allocates, and cannot panic; experiments use integers only.
 pub struct Tick<'q, 'a, B: Board, C: Controller> {
@@ -162,7 +163,11 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     fn on_time(&mut self, start_us: u32) -> bool {
         let last = self.last_start_us.replace(start_us);
         let since_us = last.map_or(0, |last| elapsed_us(last, start_us));
-        since_us <= self.settings.period_us + self.settings.period_us / 2
+        let in_time = since_us <= self.settings.period_us + self.settings.period_us / 2;
+        if !in_time {
+            self.stood_still(since_us);
+        }
+        in_time
     }
 
     fn pass(&mut self, count: i32, alive: bool) {
