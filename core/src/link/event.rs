@@ -50,7 +50,8 @@ pub enum FaultCause {
     TickOverrun,
     /// No command for `command_timeout_ms` while moving (value: ms).
     LinkLost,
-    /// The power stage's break input (over-current, over-temperature).
+    /// A protection of the power stage or of the controller (value: the board's number of it): over-current, over-temperature,
+    /// supply, clock.
     BreakInput,
     /// The supply is missing or out of range (value: mV).
     Supply,
@@ -71,11 +72,13 @@ pub enum FaultCause {
     ResetWhileDriven,
     /// The controller's output was not a finite number.
     NotFinite,
+    /// The emergency stop is open.
+    EmergencyStop,
 }
 
 impl FaultCause {
     /// Every cause.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::EncoderFrozen,
         Self::EncoderJump,
         Self::EncoderError,
@@ -91,6 +94,7 @@ impl FaultCause {
         Self::WrongDirection,
         Self::ResetWhileDriven,
         Self::NotFinite,
+        Self::EmergencyStop,
     ];
 }
 

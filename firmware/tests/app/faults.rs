@@ -273,6 +273,9 @@ fn trips_and_a_broken_power_stage() {
     assert_eq!(bench.command(Command::ClearFault), Reply::Done);
     assert_eq!((bench.fault(), bench.status().mode), (None, Mode::Idle));
     after(&mut running(), 1, FaultCause::BreakInput, |world| world.trip = Some(Trip::Break(2)));
+    let mut bench = running();
+    after(&mut bench, 1, FaultCause::EmergencyStop, |world| world.trip = Some(Trip::EmergencyStop));
+    assert_eq!(bench.command(Command::ClearFault), Reply::Error(CommandError::FaultPersists));
     after(&mut running(), 1, FaultCause::DriveStage, |world| world.broken_drive = true);
 }
 

@@ -79,6 +79,7 @@ pub const fn cause_name(cause: FaultCause) -> &'static str {
         FaultCause::WrongDirection => "wrong_direction",
         FaultCause::ResetWhileDriven => "reset_while_driven",
         FaultCause::NotFinite => "not_finite",
+        FaultCause::EmergencyStop => "emergency_stop",
     }
 }
 
@@ -98,7 +99,11 @@ pub fn fault(record: &FaultRecord) -> String {
         FaultCause::LinkLost => {
             format!("no command for {value} ms while moving (limit {limit}): the host or the cable was lost")
         }
-        FaultCause::BreakInput => "the power stage reported over-current or over-temperature".into(),
+        FaultCause::BreakInput => format!(
+            "a protection switched the power stage off (the board's number {value}): over-current, over-temperature, or the \
+             controller's own supply or clock"
+        ),
+        FaultCause::EmergencyStop => "the emergency stop is open: close it, then clear the fault".into(),
         FaultCause::Supply => format!("the supply was at {value} mV (limit {limit} mV)"),
         FaultCause::DriveStage => "the power stage could not be set".into(),
         FaultCause::Watchdog => "the watchdog reset the board: the control tick had stopped".into(),

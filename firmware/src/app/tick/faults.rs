@@ -58,6 +58,7 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     pub(super) fn trip(&mut self, trip: Trip) {
         match trip {
             Trip::Break(number) => self.fail(FaultCause::BreakInput, number, 0),
+            Trip::EmergencyStop => self.fail(FaultCause::EmergencyStop, 0, 0),
             Trip::Supply(millivolts) => self.fail(FaultCause::Supply, millivolts, 0),
         }
     }

@@ -13,8 +13,10 @@ use embassy_stm32::pac::timer::vals::{Cms, Ocm, Ossi, Ossr};
 use embedded_hal::digital::{self, OutputPin, PinState};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-use super::constants::{BREAK_FILTER, BREAK_LEVEL, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS};
-use crate::board::{Limits, SignMagnitude};
+use super::constants::{
+    BREAK_FILTER, BREAK_LEVEL, BREAK_PIN, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS, SYSTEM_BREAK,
+};
+use crate::board::{Limits, SignMagnitude, Trip};
 
 /// The power stage.
 pub type Bridge = SignMagnitude<Magnitude, Direction, Enable>;
@@ -54,7 +56,7 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
             outputs.set_ccne(leg, true);
         }
     });
-    // The pin is the one source of breaks.
+    // The pin; the breaks of the system come beside it (`system_breaks`).
     timer.af1().write(|breaks| breaks.set_bkine(true));
     // MOE = 0: off. Off means driven to the inactive level, not left floating: then all outputs are low (the reset value of
     // OISx and OISxN). AOE = 0: nothing comes on by itself.
@@ -85,17 +87,19 @@ pub fn open_all_switches() {
     pac::TIM1.bdtr().modify(|break_and_dead_time| break_and_dead_time.set_moe(false));
 }
 
-/// Whether the break input has switched off since it was last asked, or does so now.
-pub fn take_break() -> bool {
-    let tripped = pac::TIM1.sr().read().bif(0);
-    if tripped {
-        // All flags but this one keep their value when 1 is written. It is set again at once while the input is active.
+/// What has switched TIM1 off since it was last asked, or does so now: the pin, or a break of the system.
+pub fn take_break() -> Option<Trip> {
+    let flags = pac::TIM1.sr().read();
+    let (pin, system) = (flags.bif(0), flags.sbif());
+    if pin || system {
+        // All flags but these keep their value when 1 is written. One is set again at once while its cause lasts.
         pac::TIM1.sr().write(|flags| {
             flags.0 = u32::MAX;
             flags.set_bif(0, false);
+            flags.set_sbif(false);
         });
     }
-    tripped
+    if system { Some(SYSTEM_BREAK) } else { pin.then_some(BREAK_PIN) }
 }
 
 impl pwm::ErrorType for Magnitude {
