@@ -70,6 +70,7 @@ fields! {
     F1 "f1" "finite and at least 0",
     EffectKind "effect" "one of this firmware's catalogue (`breakaway effects`)",
     EffectParameters "effect parameters" "as many as the catalogue says, each within its range",
+    Brake "brake" "true or false",
     PushDrive "push drive" "not 0, and within mean_drive_max_code either way",
     PushTicks "push ticks" "1 or more",
 }

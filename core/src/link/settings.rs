@@ -43,6 +43,9 @@ pub struct Settings {
     pub drive_full_scale: f32,
     /// Unit of drive.
     pub drive_unit: DriveUnit,
+    /// After a run the motor is held by its own current (both ends of it at the same side of the supply), where the power stage can;
+    /// else it coasts. It coasts after a trip and a reset in any case.
+    pub brake: bool,
 }
 
 /// Which setting is out of range.
@@ -73,6 +76,7 @@ impl Default for Settings {
             position_unit: PositionUnit::Radian,
             drive_full_scale: 24.0,
             drive_unit: DriveUnit::Volt,
+            brake: false,
         }
     }
 }

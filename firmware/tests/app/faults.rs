@@ -2,7 +2,7 @@
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Trajectory,
+    Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
 use breakaway_firmware::board::Trip;
@@ -242,6 +242,35 @@ fn late_ticks() {
     bench.steps(20);
     assert_eq!(bench.world.0.borrow().fed, fed, "late ticks do not feed the watchdog");
     assert!(bench.status().overruns >= 20);
+}
+
+/// With the setting `brake` every end of a run holds the motor, but a trip of the power stage, which lets it coast.
+#[test]
+fn a_run_ends_braked_where_the_settings_say_so() {
+    for brake in [false, true] {
+        let trips: [(fn(&mut World), FaultCause, bool); 4] = [
+            (|world| world.jump = 5000, FaultCause::EncoderJump, brake),
+            (|world| world.trip = Some(Trip::Break(1)), FaultCause::BreakInput, false),
+            (|world| world.trip = Some(Trip::EmergencyStop), FaultCause::EmergencyStop, false),
+            (|world| world.broken_drive = true, FaultCause::DriveStage, false),
+        ];
+        for (fault, cause, braking) in trips {
+            let mut bench = Bench::with_memory([0; 8], Settings { brake, ..settings() });
+            assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+            assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 0))), Reply::Done);
+            bench.steps(300);
+            assert!(!bench.world.0.borrow().braking);
+            after(&mut bench, 1, cause, fault);
+            assert_eq!(bench.world.0.borrow().braking, braking, "{cause:?}");
+        }
+        let mut bench = Bench::with_memory([0; 8], Settings { brake, ..settings() });
+        for end in [0, 100] {
+            assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, end))), Reply::Done);
+            bench.steps(120);
+            assert_eq!(bench.command(Command::Stop), Reply::Done);
+            assert_eq!((bench.world.0.borrow().braking, bench.world.0.borrow().drive), (brake, 0));
+        }
+    }
 }
 
 /// A debugger halts the core for 50 ms in mid-run, and lets it go on: the drive is off before the first tick after it drives.

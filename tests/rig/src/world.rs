@@ -27,6 +27,8 @@ pub struct World<P> {
     pub drive: i16,
     /// Whether the bridge is on.
     pub enabled: bool,
+    /// Whether the bridge holds the motor's ends together.
+    pub braking: bool,
     /// Largest drive that was asked for since this was last set, drive codes.
     pub asked: u32,
     /// The free-running clock, µs.
@@ -97,7 +99,8 @@ impl<P: Motion> Encoder for Shared<P> {
 impl<P> Drive for Shared<P> {
     type Error = ();
     fn enable(&mut self) -> Result<(), ()> {
-        self.0.borrow_mut().enabled = true;
+        let mut world = self.0.borrow_mut();
+        (world.enabled, world.braking) = (true, false);
         Ok(())
     }
     fn apply(&mut self, command: i32) -> Result<Applied, ()> {
@@ -110,9 +113,14 @@ impl<P> Drive for Shared<P> {
         world.drive = if world.enabled { code } else { 0 };
         Ok(Applied { code: world.drive, limited: i32::from(code) != command })
     }
+    fn brake(&mut self) -> Result<(), ()> {
+        self.off()?;
+        self.0.borrow_mut().braking = true;
+        Ok(())
+    }
     fn off(&mut self) -> Result<(), ()> {
         let mut world = self.0.borrow_mut();
-        (world.enabled, world.drive) = (false, 0);
+        (world.enabled, world.braking, world.drive) = (false, false, 0);
         Ok(())
     }
 }

@@ -36,6 +36,8 @@ pub struct Guards {
     pub overruns: u8,
     /// Guard: ticks without a valid command.
     pub silent_ticks: u32,
+    /// The motor is braked after a run.
+    pub brake: bool,
     /// The travel limits are referred to a zero that is not known since the reset.
     pub zero_needed: bool,
     /// The encoder counts down when a positive drive moves the axis.
@@ -73,6 +75,7 @@ impl Guards {
             block_ticks: 1 << mean_shift.saturating_sub(6).max(4),
             overruns: settings.overrun_limit,
             silent_ticks: u32::try_from(silent_ticks).unwrap_or(u32::MAX),
+            brake: settings.brake,
             zero_needed: false,
             reversed: settings.encoder_reversed,
         }

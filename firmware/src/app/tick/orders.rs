@@ -10,7 +10,7 @@ use crate::app::excite::{Excitation, Exciter};
 use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
-use crate::board::{Board, Drive, Retained, travel};
+use crate::board::{Applied, Board, Drive, Retained, travel};
 
 impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
@@ -148,7 +148,8 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         let Some(run) = self.run.take() else {
             return;
         };
-        let off = self.switch_off();
+        let off = if self.brakes(ending) { self.board.drive().brake() } else { self.board.drive().off() };
+        self.applied = Applied::default();
         self.board.retained().write(Remembered::Nothing.to_words());
         self.unsent.ended = Some(Ended { mode, ending, tick: self.now, ticks: run.ticks });
         self.unsent.news = true;
@@ -156,6 +157,17 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         if off.is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
         }
+    }
+
+    /// Whether the motor is held after a run that ends so: not by a power stage that has said that it should be off.
+    fn brakes(&self, ending: Ending) -> bool {
+        let stage = matches!(
+            ending,
+            Ending::Fault(
+                FaultCause::BreakInput | FaultCause::EmergencyStop | FaultCause::Supply | FaultCause::DriveStage
+            )
+        );
+        self.guards.brake && !stage
     }
 
     /// Hands the sums back with the next events.

@@ -1,7 +1,8 @@
 //! A full bridge on TIM1: two half bridges, each with complementary inputs and dead time, made into the inputs of a
 //! [`SignMagnitude`] drive.
 //!
-//! A positive drive switches leg A and holds leg B low; a negative one the other way round; off opens all four switches.
+//! A positive drive switches leg A and holds leg B low; a negative one the other way round; no duty holds both low, which brakes;
+//! off opens all four switches.
 //! The registers are written without the HAL, whose checks could panic in the tick.
 
 use core::convert::Infallible;
@@ -75,7 +76,7 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
     // Period and duty (0) are taken over by an update.
     timer.egr().write(|events| events.set_ug(true));
     timer.cr1().modify(|control| control.set_cen(true));
-    let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS };
+    let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS, brakes: true };
     let Ok(bridge) = SignMagnitude::new(Magnitude, Direction, Enable { input, lamp }, limits) else {
         panic!("the drive's constants do not fit each other");
     };
