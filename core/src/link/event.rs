@@ -44,7 +44,7 @@ pub enum FaultCause {
     EncoderFrozen,
     /// The count changed by more than `jump_counts` in one tick (value: counts).
     EncoderJump,
-    /// The encoder did not answer.
+    /// The encoder did not answer, or has lost its count.
     EncoderError,
     /// `overrun_limit` ticks in a row were late, or more did not come (value: ticks).
     TickOverrun,

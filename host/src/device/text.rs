@@ -94,7 +94,9 @@ pub fn fault(record: &FaultRecord) -> String {
         FaultCause::EncoderJump => {
             format!("the encoder jumped by {value} counts in one tick (limit {limit}): check its cable and shield")
         }
-        FaultCause::EncoderError => "the encoder did not answer: check its supply and cable".into(),
+        FaultCause::EncoderError => {
+            "the encoder did not answer or lost its count: check its supply, cable and shield".into()
+        }
         FaultCause::TickOverrun => format!("{value} control ticks in a row were late (limit {limit})"),
         FaultCause::LinkLost => {
             format!("no command for {value} ms while moving (limit {limit}): the host or the cable was lost")
