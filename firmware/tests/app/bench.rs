@@ -96,7 +96,12 @@ impl Bench {
 
     /// With what a store says.
     pub fn loaded(retained: [u32; RETAINED_WORDS], loaded: Loaded) -> Self {
-        let world = Shared(Rc::new(RefCell::new(World { retained, ..World::default() })));
+        Self::on(World { retained, ..World::default() }, loaded)
+    }
+
+    /// In a world that is already so.
+    pub fn on(world: World, loaded: Loaded) -> Self {
+        let world = Shared(Rc::new(RefCell::new(world)));
         let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ, measures_current: false };
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));

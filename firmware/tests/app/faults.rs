@@ -5,7 +5,11 @@ use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
+use breakaway_firmware::app::{
+    Channels, ControlInput, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic,
+};
 use breakaway_firmware::board::Trip;
+use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
 
 use crate::bench::{Bench, World, settings};
@@ -334,6 +338,54 @@ fn a_reset_during_a_run_is_a_fault() {
     let mut again = Bench::with_memory(retained, settings());
     assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::ResetWhileDriven));
     assert!(!again.world.0.borrow().enabled);
+}
+
+/// What the board says after the reset of a watchdog, and of a program that has panicked.
+#[test]
+fn a_watchdog_and_a_panic_are_told_after_the_reset() {
+    let world = World { watchdog_reset: true, retained: running().world.0.borrow().retained, ..World::default() };
+    let mut again = Bench::on(world, Loaded::defaults(settings()));
+    assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::Watchdog));
+    assert!(!again.world.0.borrow().enabled);
+    let running = running();
+    remember_panic(&mut running.world.clone());
+    let retained = running.world.0.borrow().retained;
+    let mut again = Bench::with_memory(retained, settings());
+    assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::Panic));
+    assert!(!again.world.0.borrow().enabled);
+}
+
+/// A controller that is no longer finite says so by `None`, from its third tick on here.
+struct Lost(u32);
+
+impl Controller for Lost {
+    type Plan = ();
+    fn start(&mut self, (): &(), _: i32) {}
+    fn tick(&mut self, _: ControlInput) -> Option<(i32, i32)> {
+        self.0 += 1;
+        (self.0 < 3).then_some((5000, 0))
+    }
+    fn finished(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn a_controller_that_is_not_finite() {
+    let world = Bench::new().world;
+    let mut channels = Channels::new();
+    let (tick_end, mut app_end) = channels.split();
+    let guards = Guards::new(&settings(), 1000);
+    let mut tick = Tick::new(world.clone(), Lost(0), tick_end, TickSettings::at_rate(1000), guards);
+    app_end.runs.enqueue((RunOrder::Track(()), Bounds::default())).unwrap();
+    let mut driven = Vec::new();
+    for _ in 0..5 {
+        tick.tick();
+        driven.push(world.0.borrow().drive);
+        world.0.borrow_mut().advance();
+    }
+    assert_eq!(driven, [5000, 5000, 0, 0, 0]);
+    assert_eq!((tick.mode(), world.0.borrow().enabled), (Mode::Fault, false));
 }
 
 /// What a cut leaves of a frame at the host, bytes without their end, does not swallow the reply after it.

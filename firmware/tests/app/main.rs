@@ -3,6 +3,7 @@
 mod bench;
 mod drift;
 mod faults;
+mod faults_page;
 mod identification;
 mod runs;
 mod track;

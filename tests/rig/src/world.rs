@@ -53,6 +53,8 @@ pub struct World<P> {
     pub late_us: u32,
     /// The drive fails.
     pub broken_drive: bool,
+    /// The last reset was the watchdog's.
+    pub watchdog_reset: bool,
     /// How often the watchdog was fed.
     pub fed: u32,
     /// Memory that a reset leaves.
@@ -134,6 +136,9 @@ impl<P> Clock for Shared<P> {
 impl<P> Protection for Shared<P> {
     fn tripped(&mut self) -> Option<Trip> {
         self.0.borrow().trip
+    }
+    fn watchdog_reset(&self) -> bool {
+        self.0.borrow().watchdog_reset
     }
     fn feed_watchdog(&mut self) {
         self.0.borrow_mut().fed += 1;
