@@ -143,6 +143,12 @@ fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
+    // Half of what a count of 1 mrad makes in a filter of 2 ticks of 1 ms is 0.167 rad/s.
+    let Controller::Adaptive(law) = adaptive() else { panic!() };
+    let with = |delta| track(SINE, Controller::Adaptive(Adaptive { delta, ..law }), false);
+    assert_eq!(bench.command(with(0.16)), refused(Field::Delta));
+    assert_eq!(bench.command(with(0.167)), Reply::Done);
+    assert_eq!(bench.command(Command::Stop), Reply::Done);
     assert_eq!(bench.status().mode, Mode::Idle);
 }
 

@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{
     Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
-    TuningError, lead_s,
+    TuningError, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -79,6 +79,11 @@ impl Planner for TrackController {
                 Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
             Wire::Adaptive(wire) => {
+                // Less a rounding: the host works it out in its own numbers.
+                let least = 0.999 * least_delta(settings.position_per_count, FILTER_TICKS * tick_s, tick_s);
+                if wire.delta < least {
+                    return Err(CommandError::Range(Field::Delta));
+                }
                 let gains = Gains {
                     b: base.b,
                     kv: wire.kv,
