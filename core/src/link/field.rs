@@ -29,7 +29,7 @@ macro_rules! fields {
 }
 
 fields! {
-    DriveMax "drive_max_code" "1 to 32767 drive codes",
+    DriveMax "drive_max_code" "1 to 32767 drive codes, and what the board's power stage can give",
     TravelMin "travel_min_counts" "below travel_max_counts",
     TravelMax "travel_max_counts" "above travel_min_counts",
     SpeedMax "speed_max_counts_per_s" "1 to 2147483647 counts/s",

@@ -146,7 +146,13 @@ mod image {
         assert!(routines::hold(), "a routine of board/routines.rs is wrong");
         let meter = Meter::new(peripherals.SYST);
         Virtual::default().retained().write([0; 8]);
-        let identity = Identity { board: "budget", build: "", tick_hz: TICK_HZ, measures_current: false };
+        let identity = Identity {
+            board: "budget",
+            build: "",
+            tick_hz: TICK_HZ,
+            drive_max_code: FULL_SCALE_CODE,
+            measures_current: false,
+        };
         let settings = Settings {
             drive_max_code: FULL_SCALE_CODE,
             mean_drive_max_code: FULL_SCALE_CODE,

@@ -19,8 +19,13 @@ mod image {
                 break (tick_hz.max(1), settings);
             }
         };
-        let identity =
-            Identity { board: "mps2-an386", build: env!("BREAKAWAY_BUILD"), tick_hz, measures_current: false };
+        let identity = Identity {
+            board: "mps2-an386",
+            build: env!("BREAKAWAY_BUILD"),
+            tick_hz,
+            drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
+            measures_current: false,
+        };
         let Some(mut store) = FlashStore::new(SimulatedFlash::open(true), 0..4096) else {
             panic!("the simulated flash has two pages");
         };

@@ -28,8 +28,13 @@ mod image {
     #[entry]
     fn main() -> ! {
         let Parts { board, ticks, serial, flash } = start();
-        let identity =
-            Identity { board: NAME, build: env!("BREAKAWAY_BUILD"), tick_hz: TICK_HZ, measures_current: false };
+        let identity = Identity {
+            board: NAME,
+            build: env!("BREAKAWAY_BUILD"),
+            tick_hz: TICK_HZ,
+            drive_max_code: DRIVE_MAX_CODE,
+            measures_current: false,
+        };
         defmt::info!("{=str} {=str}: {=u32} ticks/s", identity.board, identity.build, identity.tick_hz);
         let Some(mut store) = FlashStore::new(flash, 0..SETTINGS_BYTES) else {
             panic!("the settings have two pages");

@@ -101,8 +101,14 @@ impl Bench {
 
     /// In a world that is already so.
     pub fn on(world: World, loaded: Loaded) -> Self {
+        let identity = Identity {
+            board: "bench",
+            build: "test",
+            tick_hz: TICK_HZ,
+            drive_max_code: world.stage_limit.unwrap_or(FULL_SCALE_CODE),
+            measures_current: false,
+        };
         let world = Shared(Rc::new(RefCell::new(world)));
-        let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ, measures_current: false };
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));
         let (tick_end, app_end) = channels.split();

@@ -5,9 +5,7 @@ use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
-use breakaway_firmware::app::{
-    Channels, ControlInput, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic,
-};
+use breakaway_firmware::app::{Channels, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic};
 use breakaway_firmware::board::Trip;
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
@@ -361,7 +359,7 @@ struct Lost(u32);
 impl Controller for Lost {
     type Plan = ();
     fn start(&mut self, (): &(), _: i32) {}
-    fn tick(&mut self, _: ControlInput) -> Option<(i32, i32)> {
+    fn tick(&mut self, _: i32) -> Option<(i32, i32)> {
         self.0 += 1;
         (self.0 < 3).then_some((5000, 0))
     }

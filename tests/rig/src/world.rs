@@ -23,6 +23,8 @@ pub trait Motion {
 pub struct World<P> {
     /// What the drive moves.
     pub plant: P,
+    /// Largest drive that the power stage gives, drive codes; all of it where there is none.
+    pub stage_limit: Option<i16>,
     /// Applied drive, drive codes.
     pub drive: i16,
     /// Whether the bridge is on.
@@ -111,7 +113,8 @@ impl<P> Drive for Shared<P> {
             return Err(());
         }
         world.asked = world.asked.max(command.unsigned_abs());
-        let code = command.clamp(-i32::from(FULL_SCALE_CODE), i32::from(FULL_SCALE_CODE)) as i16;
+        let limit = i32::from(world.stage_limit.unwrap_or(FULL_SCALE_CODE));
+        let code = command.clamp(-limit, limit) as i16;
         world.drive = if world.enabled { code } else { 0 };
         Ok(Applied { code: world.drive, limited: i32::from(code) != command })
     }

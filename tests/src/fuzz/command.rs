@@ -90,7 +90,13 @@ impl Host {
 pub fn run(bytes: &[u8]) -> bool {
     let world = Shared::<Mass>::default();
     let settings = Settings { position_per_count: 1e-3, drive_full_scale: 5.0, ..Settings::default() };
-    let identity = Identity { board: "fuzz", build: "fuzz", tick_hz: TICK_HZ, measures_current: false };
+    let identity = Identity {
+        board: "fuzz",
+        build: "fuzz",
+        tick_hz: TICK_HZ,
+        drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
+        measures_current: false,
+    };
     let mut sums = Sums::new();
     let mut channels = Channels::new();
     let (tick_end, app_end) = channels.split();

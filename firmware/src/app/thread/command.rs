@@ -33,6 +33,9 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::SetSettings(settings) if settings.current_max_ma > 0 && !self.identity.measures_current => {
                 return Err(CommandError::Settings(Field::CurrentMax));
             }
+            Command::SetSettings(settings) if settings.drive_max_code > self.identity.drive_max_code => {
+                return Err(CommandError::Settings(Field::DriveMax));
+            }
             Command::SetSettings(settings) => {
                 self.ask(id, Order::Guards(Guards::new(&settings, self.identity.tick_hz)), Then::Settings(settings));
             }

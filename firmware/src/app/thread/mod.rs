@@ -33,6 +33,8 @@ pub struct Identity {
     pub build: &'static str,
     /// Control ticks per second, ≥ 1.
     pub tick_hz: u32,
+    /// Largest drive that its power stage gives, drive codes: settings above are refused.
+    pub drive_max_code: i16,
     /// It measures the motor's current ([`crate::board::Protection::current_ma`]); else a limit of it is refused.
     pub measures_current: bool,
 }

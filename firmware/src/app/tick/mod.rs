@@ -9,7 +9,7 @@ use breakaway_core::link::{Bounds, Ending, FaultCause, FaultRecord, Mode, Sample
 
 use super::accumulate::Accumulation;
 use super::channels::TickEnd;
-use super::control::{ControlInput, Controller};
+use super::control::Controller;
 use super::guard::{Guards, Observation, Verdict};
 use super::memory::Remembered;
 use super::run::{Run, RunLimits, Source};
@@ -225,10 +225,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control => {
-                let Applied { code: applied, limited } = self.applied;
-                self.controller.tick(ControlInput { distance, applied, limited })
-            }
+            Source::Control => self.controller.tick(distance),
         };
         let limit = i32::from(run.watch.limits().drive_code);
         let start = run.start;
@@ -239,7 +236,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         // Not `clamp`, which panics where it cannot see that the limit is positive.
         let cut = command.min(limit).max(-limit);
         match self.board.drive().apply(cut) {
-            Ok(applied) => self.applied = Applied { limited: applied.limited || cut != command, ..applied },
+            Ok(applied) => self.applied = applied,
             Err(_) => self.fail(FaultCause::DriveStage, command, 0),
         }
         start.wrapping_add(reference)
