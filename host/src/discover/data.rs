@@ -39,6 +39,8 @@ pub struct Data {
     pub sigma: f64,
     /// Segments there were before sampling.
     pub available: usize,
+    /// Delays up to which the sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    pub unsure_s: f64,
     /// Mean square below which differences between models do not count; 0 for the noise's.
     pub softening: f64,
     /// Simulated samples so far, of all that was done with these data.
@@ -78,6 +80,7 @@ impl Data {
             segment_s,
             sigma,
             available,
+            unsure_s: recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max),
             softening: 0.0,
             work: Arc::default(),
         }

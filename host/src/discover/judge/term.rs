@@ -115,6 +115,16 @@ pub enum Arrival {
     DeadTime([f64; 3]),
 }
 
+impl Arrival {
+    /// By how much the drive is late, s; `None` where it is not late.
+    pub const fn time_s(self) -> Option<f64> {
+        match self {
+            Self::Delay(time_s) | Self::Lag(time_s) => Some(time_s),
+            Self::Limit(_) | Self::DeadZone(_) | Self::Load(_) | Self::DeadTime(_) => None,
+        }
+    }
+}
+
 impl Term {
     /// A force that is linear in its columns' amplitudes and does not hold the drive.
     pub fn force(name: Name, fields: Vec<Field>) -> Self {
