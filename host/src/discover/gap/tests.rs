@@ -47,6 +47,7 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
         segment_s: SEGMENT as f64 * TS,
         sigma: SIGMA,
         available: n / segment,
+        unsure_s: 0.0,
         softening: 0.0,
         work: std::sync::Arc::default(),
     };
