@@ -9,7 +9,7 @@
 //!
 //! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
 //! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0 by projection,
-//! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`largest_rate`]);
+//! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`crate::control::largest_rate`]);
 //! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
 //! parameters' own sizes.
 
@@ -19,7 +19,7 @@ pub use settings::{Adaptation, AdaptiveError, Estimates, least_delta};
 
 use super::fast::Fast;
 use super::trajectory::Setpoint;
-use super::tuning::{Gains, ROUNDING, TuningError, largest_rate};
+use super::tuning::{Gains, ROUNDING, TuningError};
 use crate::scalar::Real;
 
 /// Configuration of the adaptive controller. In Q32 a gain times the tick has steps of 2.3e-10, and below that is 0.
@@ -131,7 +131,7 @@ impl<R: Fast> Adaptive<R> {
             return Err(AdaptiveError::F { largest: largest(F::ONE).to_f64() });
         }
         // (b̂/b)·(Kv + Λ2) is what the sampled loop has for its rate; a start beyond it is not learnt away from.
-        let b_max = gains.b * F::from_f64(largest_rate(tick_s.to_f64(), delay_ticks)) / (gains.kv + gains.lambda2);
+        let b_max = gains.b * Gains::largest_rate(tick_s, delay_ticks) / (gains.kv + gains.lambda2);
         let real = |value: F| R::from_f64(value.to_f64());
         Ok(Self {
             lambda1: real(gains.lambda1),
