@@ -21,6 +21,8 @@ pub struct Finding {
     pub errors: Errors,
     /// Indices of the parameters that are held.
     pub held: Vec<usize>,
+    /// Whether each recording has a phase, or a place of rest, of its own.
+    pub own_zeros: bool,
     /// Effects that these recordings do not tell from it, and by how many standard deviations it is better.
     pub tied: Vec<(Kind, f64)>,
     /// Gain of the side that gains less, nats, and its z over blocks.
@@ -221,6 +223,7 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
                     effect,
                     errors,
                     held,
+                    own_zeros: term.own_zeros,
                     tied: tied.collect(),
                     gain: evidence.gain(),
                     z: evidence.z(),
