@@ -246,11 +246,14 @@ fn late_ticks() {
     assert!(bench.status().overruns >= 20);
 }
 
+/// What goes wrong in the world of the bench.
+type Fault = fn(&mut World);
+
 /// With the setting `brake` every end of a run holds the motor, but a trip of the power stage, which lets it coast.
 #[test]
 fn a_run_ends_braked_where_the_settings_say_so() {
     for brake in [false, true] {
-        let trips: [(fn(&mut World), FaultCause, bool); 4] = [
+        let trips: [(Fault, FaultCause, bool); 4] = [
             (|world| world.jump = 5000, FaultCause::EncoderJump, brake),
             (|world| world.trip = Some(Trip::Break(1)), FaultCause::BreakInput, false),
             (|world| world.trip = Some(Trip::EmergencyStop), FaultCause::EmergencyStop, false),
