@@ -18,6 +18,7 @@ mod settings;
 pub use settings::{Adaptation, AdaptiveError, Estimates, least_delta};
 
 use super::fast::Fast;
+use super::rate::{Differentiator, RateState};
 use super::trajectory::Setpoint;
 use super::tuning::{Gains, ROUNDING, TuningError};
 use crate::scalar::Real;
@@ -34,7 +35,7 @@ pub struct Adaptive<R> {
     per_delta: R,
     tick: R,
     per_tick: R,
-    alpha: R,
+    rate: Differentiator<R>,
     /// Adaptation gains times the tick.
     steps: Estimates<R>,
     sigma: R,
@@ -51,8 +52,7 @@ pub struct AdaptiveState<R> {
     pub estimates: Estimates<R>,
     /// ∫e, X·s.
     pub integral: R,
-    last: Option<R>,
-    rate: R,
+    rate: RateState<R>,
     now: Regressors<R>,
 }
 
@@ -142,7 +142,7 @@ impl<R: Fast> Adaptive<R> {
             per_delta: real(F::ONE / delta),
             tick: real(tick_s),
             per_tick: real(F::ONE / tick_s),
-            alpha: real(tick_s / (gains.filter_s + tick_s)),
+            rate: Differentiator::new(gains, tick_s),
             steps: Estimates {
                 b: real(k.b * tick_s),
                 c: real(k.c * tick_s),
@@ -167,15 +167,13 @@ impl<R: Fast> Adaptive<R> {
         self.limit
     }
 
-    /// The drive for position `x`, with ė from differences of e and v = ẋ_d − ė; `direction` is the sign of the
+    /// The drive for position `x`, with ė from e by observer and filter, and v = ẋ_d − ė; `direction` is the sign of the
     /// reference's velocity. [`Self::learn`] must follow.
     #[inline]
     pub fn drive(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, x: R, direction: R) -> R {
         let error = reference.x - x;
-        let difference = error - state.last.unwrap_or(error);
-        state.last = Some(error);
-        state.rate += self.alpha * (difference - state.rate);
-        self.drive_ideal(state, reference, Ideal { error, error_rate: state.rate * self.per_tick, direction })
+        let rate = self.rate.tick(&mut state.rate, error);
+        self.drive_ideal(state, reference, Ideal { error, error_rate: rate * self.per_tick, direction })
     }
 
     /// The drive from given signals. [`Self::learn`] must follow.

@@ -145,12 +145,17 @@ fn sigma_bounds_the_residual_estimate() {
     assert!((state.estimates.f - 0.5).abs() < 1e-3, "{}", state.estimates.f);
 }
 
+/// 8 Hz of bandwidth, with a filter of two ticks.
+fn two_ticks() -> Gains {
+    Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() }
+}
+
 /// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding, whose mean
 /// drives b̂ up: for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms in the first and the last minute.
 fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
     const STEP: f64 = 1e-3;
     const MINUTE: u32 = 60_000;
-    let gains = Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() };
+    let gains = two_ticks();
     let mut adaptation = Adaptation::normalised(&START, 5.0, 1.6, 2.5, delta);
     adaptation.gains.b *= rate_of_b * rate_of_b;
     let law = Adaptive::<f64>::new(&gains, &adaptation, &START, TICK, 1, 12.0).unwrap();
@@ -182,7 +187,7 @@ fn the_largest_b_is_the_one_of_the_sampled_loop() {
     );
     assert!(over <= most * (1.0 + 1e-12) && last < 2.5 * first, "{over} {first} {last}");
     // The least δ, and b̂ at a tenth of the rate as `tune` has it: nothing is learnt of the rounding that a tenth would show.
-    let (over, first, last) = eight_minutes(least_delta(1e-3, 2.0 * TICK, TICK), 0.1);
+    let (over, first, last) = eight_minutes(least_delta(1e-3, &two_ticks(), TICK), 0.1);
     std::println!("least delta: b̂/b {over:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth");
     assert!((over - 1.0).abs() < 0.1 && (last / first - 1.0).abs() < 0.02, "{over} {first} {last}");
 }

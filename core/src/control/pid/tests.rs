@@ -50,7 +50,7 @@ fn scalars_agree() {
 /// u = b·Kv·(Λ1·∫e + Λ2·e + ė), term by term.
 #[test]
 fn it_is_the_formula() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 1e9).unwrap();
     let mut state = PidState::default();
     let mut integral = 0.0;
@@ -88,7 +88,7 @@ fn the_integral_rests() {
 /// A drive's limit is positive; one tick of delay allows Kv + Λ2 = 400 1/s at 1 ms, two 267 1/s.
 #[test]
 fn a_limit_that_is_none_and_a_rate_past_the_delay_are_refused() {
-    let gains = Gains { b: 2.0, kv: 300.0, lambda1: 50.0, lambda2: 100.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 300.0, lambda1: 50.0, lambda2: 100.0, filter_s: 0.0, observer_rad_s: 0.0 };
     for limit in [0.0, -1.0, f64::NAN] {
         assert_eq!(Pid::<f64>::new(&gains, 1e-3, limit).err(), Some(TuningError::Limit));
     }
@@ -100,7 +100,7 @@ fn a_limit_that_is_none_and_a_rate_past_the_delay_are_refused() {
 /// After a step of e the filtered difference decays by τ/(τ + Ts) per tick; it alone makes the drive's third term.
 #[test]
 fn the_difference_is_filtered_by_its_time_constant() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 0.0, lambda2: 10.0, filter_s: 3e-3 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 0.0, lambda2: 10.0, filter_s: 3e-3, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 1e9).unwrap();
     let mut state = PidState::default();
     let at = |x: f64| Setpoint { x, v: 0.0, a: 0.0 };
@@ -115,7 +115,7 @@ fn the_difference_is_filtered_by_its_time_constant() {
 /// The band counts where the reference neither moves nor is about to, its edge included; beyond it the integral goes on.
 #[test]
 fn the_rest_band_is_of_a_reference_at_rest() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 12.0).unwrap();
     let integral = |pid: &Pid<f64>, v: f64, a: f64, e: f64| {
         let mut state = PidState::default();
