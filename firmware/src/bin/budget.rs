@@ -5,8 +5,8 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_core::link::{
-        Adaptive, Bounds, Command, Controller, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay, Request,
-        Settings, Track, Trajectory, encode,
+        Adaptive, Bounds, Command, Controller, ErrorRate, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay,
+        Request, Settings, Track, Trajectory, encode,
     };
     use breakaway_firmware::app::{
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
@@ -129,6 +129,7 @@ mod image {
                 lambda1: 100.0,
                 lambda2: 50.0,
                 delta: 0.5,
+                error_rate: ErrorRate { filter_s: 1e-3, observer_rad_s: 500.0 },
                 rates: [0.5; 5],
             }),
             feed_forward: true,

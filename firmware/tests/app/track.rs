@@ -2,8 +2,8 @@
 
 use breakaway_core::control::{Compensator, Profile, Sine, lead_s, tune};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, CommandError, Controller, Ending, FULL_SCALE_CODE, FaultCause, Field, Mode, Model, Pid,
-    Reply, Sample, Settings, Track, Trajectory, WireEffect,
+    Adaptive, Bounds, Command, CommandError, Controller, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field, Mode,
+    Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
 use breakaway_firmware::storage::Loaded;
@@ -16,11 +16,15 @@ pub fn model() -> Model {
     Model { b, c, f1, effects: heapless::Vec::new() }
 }
 
+/// A filter of two ticks.
+const TWO_TICKS: ErrorRate = ErrorRate { filter_s: 2e-3, observer_rad_s: 0.0 };
+
 /// A PID for 8 Hz of bandwidth.
 pub fn pid() -> Controller {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     let kd = gains.b * gains.kv;
-    Controller::Pid(Pid { kp: (kd * gains.lambda2) as f32, ki: (kd * gains.lambda1) as f32, kd: kd as f32 })
+    let (kp, ki, kd) = ((kd * gains.lambda2) as f32, (kd * gains.lambda1) as f32, kd as f32);
+    Controller::Pid(Pid { kp, ki, kd, error_rate: TWO_TICKS })
 }
 
 pub fn adaptive() -> Controller {
@@ -30,6 +34,7 @@ pub fn adaptive() -> Controller {
         lambda1: gains.lambda1 as f32,
         lambda2: gains.lambda2 as f32,
         delta: 0.5,
+        error_rate: TWO_TICKS,
         rates: [0.0, 1.0, 3.0, 1.0, 0.0],
     })
 }
@@ -139,7 +144,7 @@ fn hold_stays_and_a_move_arrives() {
 #[test]
 fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     let mut bench = Bench::new();
-    let wild = Controller::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0 });
+    let wild = Controller::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0, error_rate: TWO_TICKS });
     let refused = |field| Reply::Error(CommandError::Range(field));
     assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);

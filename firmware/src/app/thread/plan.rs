@@ -39,8 +39,6 @@ impl Planner for NoController {
     }
 }
 
-/// Filter on the error's difference, ticks: an encoder's count is not a position.
-const FILTER_TICKS: f32 = 2.0;
 /// From a reading to its drive, whole ticks: it is applied in the same one.
 const DELAY_TICKS: u32 = 0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
@@ -78,24 +76,25 @@ impl Planner for TrackController {
                     kv: kd / base.b,
                     lambda1: wire.ki / kd,
                     lambda2: wire.kp / kd,
-                    filter_s: FILTER_TICKS * tick_s,
+                    filter_s: wire.error_rate.filter_s,
+                    observer_rad_s: wire.error_rate.observer_rad_s,
                 };
                 let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
                 Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
             Wire::Adaptive(wire) => {
-                // Less a rounding: the host works it out in its own numbers.
-                let least = 0.999 * least_delta(settings.position_per_count, FILTER_TICKS * tick_s, tick_s);
-                if wire.delta < least {
-                    return Err(CommandError::Range(Field::Delta));
-                }
                 let gains = Gains {
                     b: base.b,
                     kv: wire.kv,
                     lambda1: wire.lambda1,
                     lambda2: wire.lambda2,
-                    filter_s: FILTER_TICKS * tick_s,
+                    filter_s: wire.error_rate.filter_s,
+                    observer_rad_s: wire.error_rate.observer_rad_s,
                 };
+                // Less a rounding: the host works it out in its own numbers.
+                if wire.delta < 0.999 * least_delta(settings.position_per_count, &gains, tick_s) {
+                    return Err(CommandError::Range(Field::Delta));
+                }
                 let start = Estimates { b: base.b, c: base.c, f1: base.f1, f: 0.0 };
                 let unit = Adaptation::normalised(&start, 1.0, speed, acceleration, wire.delta);
                 // Gains go with the square of the rate; a and f2 act on one and the same parameter.
