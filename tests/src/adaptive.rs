@@ -135,7 +135,11 @@ impl Loop {
                 let signals = Ideal { error, error_rate: reference.v - plant.v, direction };
                 let wanted = law.drive_ideal(&mut state, reference, signals);
                 let u = wanted.clamp(-self.limit, self.limit);
-                law.learn(&mut state, self.freeze && u != wanted);
+                if self.freeze && u != wanted {
+                    law.cut(&mut state, u - wanted)
+                } else {
+                    law.learn(&mut state)
+                }
                 plant.advance(u, self.tick_s);
                 Moment { t, reference: reference.x, error, u, estimates: state.estimates }
             })

@@ -10,7 +10,7 @@
 //! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
 //! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0 by projection,
 //! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`crate::control::largest_rate`]);
-//! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
+//! σ, without which f̂ only rises; adaptation frozen while the drive is saturated, and the integral taken back by what was cut off; gains scaled by the
 //! parameters' own sizes.
 
 mod settings;
@@ -41,6 +41,8 @@ pub struct Adaptive<R> {
     sigma: R,
     b_min: R,
     b_max: R,
+    /// X·s of the integral per drive unit that was cut off, in a tick.
+    back: R,
     limit: R,
     start: Estimates<R>,
 }
@@ -152,6 +154,7 @@ impl<R: Fast> Adaptive<R> {
             sigma: real(sigma),
             b_min: real(b_min),
             b_max: real(b_max.max(start.b).max(b_min)),
+            back: real(gains.back_calculation(tick_s) * tick_s),
             limit: real(limit),
             start: Estimates { b: real(start.b), c: real(start.c), f1: real(start.f1), f: real(start.f) },
         })
@@ -193,12 +196,16 @@ impl<R: Fast> Adaptive<R> {
         c * v - b * u_c + f1 * direction + f * sat
     }
 
-    /// Ends the tick: the integral goes on and the parameters adapt, unless the drive was saturated.
+    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: nothing adapts, and the
+    /// integral goes back by the excess over the tracking time 1/√Λ1, as the PID's.
     #[inline]
-    pub fn learn(&self, state: &mut AdaptiveState<R>, saturated: bool) {
-        if saturated {
-            return;
-        }
+    pub fn cut(&self, state: &mut AdaptiveState<R>, excess: R) {
+        state.integral += self.back * excess;
+    }
+
+    /// Ends a tick whose drive was applied as it is: the integral goes on and the parameters adapt.
+    #[inline]
+    pub fn learn(&self, state: &mut AdaptiveState<R>) {
         let Regressors { integral, s_delta, v, u_c, direction } = state.now;
         state.integral = integral;
         if s_delta == R::ZERO && self.sigma == R::ZERO {

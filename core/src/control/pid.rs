@@ -16,6 +16,8 @@ pub struct Pid<R> {
     /// b·Kv/Ts, drive units per (X/tick).
     derivative: R,
     rate: Differentiator<R>,
+    /// X·ticks of the integral per drive unit that was cut off, in a tick: 1/(b·Kv·√Λ1), at most 1/(b·Kv·Λ1·Ts).
+    back: R,
     /// Largest |u|, drive units.
     limit: R,
     /// Error within which the integral rests while the reference does, X.
@@ -28,7 +30,7 @@ pub struct PidState<R> {
     /// Σe, X·ticks.
     pub integral: R,
     rate: RateState<R>,
-    /// What the integral becomes unless the drive is saturated.
+    /// What the integral becomes unless the drive is cut.
     pending: R,
 }
 
@@ -58,6 +60,7 @@ impl<R: Fast> Pid<R> {
             integral: real(k * gains.lambda1 * tick_s),
             derivative: real(k / tick_s),
             rate: Differentiator::new(gains, tick_s),
+            back: real(gains.back_calculation(tick_s)),
             limit: real(limit),
             rest_band: R::ZERO,
         })
@@ -76,7 +79,7 @@ impl<R: Fast> Pid<R> {
         self.limit
     }
 
-    /// The drive for position `x`; [`Self::learn`] must follow, once it is known whether the drive saturated.
+    /// The drive for position `x`; [`Self::learn`] must follow, once it is known what of the drive was cut off.
     #[inline]
     pub fn drive(&self, state: &mut PidState<R>, reference: Setpoint<R>, x: R) -> R {
         let e = reference.x - x;
@@ -86,12 +89,17 @@ impl<R: Fast> Pid<R> {
         self.integral * state.pending + self.proportional * e + self.derivative * rate
     }
 
-    /// Ends the tick: the integral is frozen while the drive is saturated.
+    /// Ends a tick whose drive was applied as it is: the integral goes on.
     #[inline]
-    pub fn learn(&self, state: &mut PidState<R>, saturated: bool) {
-        if !saturated {
-            state.integral = state.pending;
-        }
+    pub fn learn(&self, state: &mut PidState<R>) {
+        state.integral = state.pending;
+    }
+
+    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: the integral does not go on,
+    /// but back by the excess over the tracking time 1/√Λ1 (docs/control.md, section "The PID").
+    #[inline]
+    pub fn cut(&self, state: &mut PidState<R>, excess: R) {
+        state.integral += self.back * excess;
     }
 }
 

@@ -98,6 +98,17 @@ impl<F: Real> Gains<F> {
         Ok(())
     }
 
+    /// X·ticks by which the integral goes back per drive unit that was cut off, in a tick: the drive unit is 1/(b·Kv·Λ1·Ts) of
+    /// them, over the tracking time 1/√Λ1, which is the geometric mean of the PID's integral time Λ2/Λ1 and derivative time
+    /// 1/Λ2; at most all of it in a tick. Without an integral 0.
+    pub(super) fn back_calculation(&self, tick_s: F) -> F {
+        if self.lambda1 == F::ZERO {
+            return F::ZERO;
+        }
+        let ticks = (F::ONE / (self.lambda1.sqrt() * tick_s)).max(F::ONE);
+        F::ONE / (self.b * self.kv * self.lambda1 * tick_s * ticks)
+    }
+
     /// [`largest_rate`], in what the board computes in.
     pub(super) fn largest_rate(tick_s: F, delay_ticks: u32) -> F {
         F::from_f64(0.8) / (F::from_f64(1.0 + f64::from(delay_ticks)) * tick_s)

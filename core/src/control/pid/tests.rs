@@ -22,7 +22,11 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
         let reading = libm::round(x / step) * step;
         let u = pid.drive(&mut state, reference, R::from_f64(reading));
         let saturated = u.abs() > pid.limit();
-        pid.learn(&mut state, saturated);
+        if saturated {
+            pid.cut(&mut state, u.max(-pid.limit()).min(pid.limit()) - u)
+        } else {
+            pid.learn(&mut state)
+        }
         let applied = pending;
         pending = u.to_f64().clamp(-12.0, 12.0);
         v += (applied - c * v) / b * 1e-3;
@@ -62,12 +66,12 @@ fn it_is_the_formula() {
         last = Some(e);
         let expected = 60.0 * (50.0 * integral + 10.0 * e + rate);
         let u = pid.drive(&mut state, Setpoint { x: e, v: 0.0, a: 0.0 }, 0.0);
-        pid.learn(&mut state, false);
+        pid.learn(&mut state);
         assert!((u - expected).abs() < 1e-9 * expected.abs().max(1.0), "{k}: {u} {expected}");
     }
 }
 
-/// In saturation the integral stands still; within the rest band it does at rest only.
+/// In saturation the integral goes back by what was cut off, and does not go on; within the rest band it does at rest only.
 #[test]
 fn the_integral_rests() {
     let gains = tune(BASE[0], BASE[1], 10.0, 1e-3, 1).unwrap();
@@ -75,13 +79,18 @@ fn the_integral_rests() {
     let mut state = PidState::default();
     let rest = Setpoint { x: 0.0, v: 0.0, a: 0.0 };
     pid.drive(&mut state, rest, 1.0);
-    pid.learn(&mut state, true);
+    pid.cut(&mut state, 0.0);
     assert_eq!(state.integral, 0.0);
+    // 3 V that were cut off are 3/(b·Kv·Λ1) X·s, a tick's share of 1/√Λ1.
+    let mut back = state;
+    pid.cut(&mut back, 3.0);
+    let wanted = 3.0 / (gains.b * gains.kv * libm::sqrt(gains.lambda1));
+    assert!((back.integral / wanted - 1.0).abs() < 1e-12, "{}", back.integral);
     pid.drive(&mut state, rest, 0.9e-3);
-    pid.learn(&mut state, false);
+    pid.learn(&mut state);
     assert_eq!(state.integral, 0.0);
     pid.drive(&mut state, Setpoint { v: 0.1, ..rest }, 0.9e-3);
-    pid.learn(&mut state, false);
+    pid.learn(&mut state);
     assert_eq!(state.integral, -0.9e-3);
 }
 
@@ -120,7 +129,7 @@ fn the_rest_band_is_of_a_reference_at_rest() {
     let integral = |pid: &Pid<f64>, v: f64, a: f64, e: f64| {
         let mut state = PidState::default();
         pid.drive(&mut state, Setpoint { x: e, v, a }, 0.0);
-        pid.learn(&mut state, false);
+        pid.learn(&mut state);
         state.integral
     };
     let banded = pid.with_rest_band(0.25);
