@@ -34,7 +34,7 @@ pub struct Loop {
     pub tick_s: f64,
     /// Drive limit.
     pub limit: f64,
-    /// Whether adaptation and integral are frozen in saturation.
+    /// Whether adaptation is frozen in saturation, and the integral taken back.
     pub freeze: bool,
 }
 

@@ -222,7 +222,9 @@ pub fn replies() -> Vec<(String, Reply)> {
 }
 
 pub fn events() -> Vec<(String, Event)> {
-    let ended = |ending| Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 70_000, ticks: 60_000 });
+    let ended = |ending| {
+        Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 70_000, ticks: 60_000, saturated: 300 })
+    };
     let mismatch = Mismatch { direction: -1, speed_bin: 2, position_bin: 5, score: 6.5 };
     let mut list = vec![
         ("started".to_owned(), Event::Started),

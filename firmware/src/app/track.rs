@@ -87,6 +87,7 @@ struct Running {
     /// Where it started, position units: what of the model depends on the position is evaluated there.
     origin: f32,
     k: u32,
+    saturated: u32,
 }
 
 /// The controller in the tick.
@@ -100,18 +101,24 @@ impl Controller for TrackController {
 
     fn start(&mut self, plan: &TrackPlan, count: i32) {
         let origin = count as f32 * plan.position_per_count;
-        self.running = Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0 });
+        self.running =
+            Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0, saturated: 0 });
     }
 
     fn tick(&mut self, distance: i32) -> Option<(i32, i32)> {
-        let Running { plan, state, origin, k } = self.running.as_mut()?;
+        let Running { plan, state, origin, k, saturated } = self.running.as_mut()?;
         let reference = plan.path.at(*k);
         *k = k.saturating_add(1);
         let command = plan.law.tick_from(state, reference, distance as f32 * plan.position_per_count, *origin);
         if !command.u.is_finite() {
             return None;
         }
+        *saturated = saturated.saturating_add(u32::from(command.saturated));
         Some((round(command.u * plan.codes_per_drive), round(reference.x * plan.counts_per_position)))
+    }
+
+    fn saturated(&self) -> u32 {
+        self.running.as_ref().map_or(0, |running| running.saturated)
     }
 
     fn finished(&self) -> bool {

@@ -181,8 +181,8 @@ impl Runner {
             reference.push(point);
             error.push(point - f64::from(row.count.wrapping_sub(zero)) * self.scale.step);
         }
-        let saturated =
-            record.rows.iter().filter(|row| row.drive_code.unsigned_abs() >= limit_code.unsigned_abs()).count();
+        // What is logged is what was applied, after dead time and rounding: only the board knows that it asked for more.
+        let saturated = record.ended.map_or(0, |ended| ended.saturated as usize);
         let tracked = Tracked { recording, error, reference, saturated, from };
         Ok(Followed { tracked, missing, mismatches: record.mismatches })
     }
