@@ -174,9 +174,9 @@ mod image {
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
         let start = guards(&loaded, &identity);
-        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
+        let mut tick = Tick::new(Virtual::default(), TrackController::<f32>::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
-        let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);
+        let mut app = App::new(app_end, TrackController::<f32>::default(), Line(&host), store, identity, loaded, sums);
         let mut plant = Plant::default();
         let (mut ticks, mut total, mut worst, mut idle) = (0_u32, 0_u64, 0, 0);
         let commands = [

@@ -1,11 +1,12 @@
 //! Track and Hold.
 
-use breakaway_core::control::{Compensator, Profile, Sine, lead_s, tune};
+use breakaway_core::control::{Compensator, Fast, Profile, Sine, lead_s, tune};
 use breakaway_core::link::{
     Adaptive, Bounds, Command, CommandError, Controller, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field, Mode,
     Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
+use breakaway_core::scalar::Q32;
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{FULL_SCALE, STEP};
 
@@ -44,9 +45,9 @@ pub fn track(trajectory: Trajectory, controller: Controller, compensation: bool)
     Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
 }
 
-/// The samples of a run of 4 s.
-fn run(command: Command, mode: Mode) -> Vec<Sample> {
-    let mut bench = Bench::new();
+/// The samples of a run of 4 s, computed in `R`.
+pub fn run<R: Fast>(command: Command, mode: Mode) -> Vec<Sample> {
+    let mut bench = Bench::<R>::computing(World::default(), Loaded::defaults(settings()));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
     assert_eq!(bench.command(command), Reply::Done);
@@ -55,19 +56,24 @@ fn run(command: Command, mode: Mode) -> Vec<Sample> {
 }
 
 /// Rms error in position units over the last two seconds.
-fn rms(samples: &[Sample]) -> f64 {
+pub fn rms(samples: &[Sample]) -> f64 {
     let late = &samples[samples.len() - 2000..];
     let square = |sample: &Sample| (f64::from(sample.reference - sample.count) * STEP).powi(2);
     (late.iter().map(square).sum::<f64>() / late.len() as f64).sqrt()
 }
 
-const SINE: Trajectory = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+pub const SINE: Trajectory = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
 
 /// With the exact model and an ideal axis what is left is the encoder's step of 1 mrad and the reversals.
 #[test]
 fn compensation_takes_most_of_the_error_of_a_pid() {
-    let without = rms(&run(track(SINE, pid(), false), Mode::Track));
-    let with = rms(&run(track(SINE, pid(), true), Mode::Track));
+    compensates::<f32>();
+    compensates::<Q32>();
+}
+
+fn compensates<R: Fast>() {
+    let without = rms(&run::<R>(track(SINE, pid(), false), Mode::Track));
+    let with = rms(&run::<R>(track(SINE, pid(), true), Mode::Track));
     assert!(without < 0.1, "rms error {without} rad of 1 rad");
     assert!(with < 0.3 * without, "with compensation {with}, without {without}");
 }
@@ -124,17 +130,26 @@ fn the_board_looks_as_far_ahead_as_the_host() {
 
 #[test]
 fn the_adaptive_law_follows() {
-    let error = rms(&run(track(SINE, adaptive(), false), Mode::Track));
-    // 3 % of the peak: friction is in the law's model, and starts at its true value.
-    assert!(error < 0.03, "rms error {error} rad");
+    for error in [
+        rms(&run::<f32>(track(SINE, adaptive(), false), Mode::Track)),
+        rms(&run::<Q32>(track(SINE, adaptive(), false), Mode::Track)),
+    ] {
+        // 3 % of the peak: friction is in the law's model, and starts at its true value.
+        assert!(error < 0.03, "rms error {error} rad");
+    }
 }
 
 #[test]
 fn hold_stays_and_a_move_arrives() {
-    let held = run(track(Trajectory::Hold, pid(), false), Mode::Hold);
+    holds_and_moves::<f32>();
+    holds_and_moves::<Q32>();
+}
+
+fn holds_and_moves<R: Fast>() {
+    let held = run::<R>(track(Trajectory::Hold, pid(), false), Mode::Hold);
     assert!(held.iter().all(|sample| sample.count == 0 && sample.reference == 0));
     let jerk = Trajectory::MinimumJerk { distance: -2.0, duration_s: 1.5 };
-    let moved = run(track(jerk, pid(), true), Mode::Track);
+    let moved = run::<R>(track(jerk, pid(), true), Mode::Track);
     let last = moved.last().unwrap();
     assert_eq!(last.reference, -2000);
     // Within two hundredths of the move: the integral's last bit takes longer than the 2.5 s of rest.
@@ -174,9 +189,15 @@ fn an_s_curve_is_the_one_of_its_limits() {
         cruise_ticks: phases.cruise,
         rest_ticks: 200,
     };
-    let samples = run(track(trajectory, pid(), true), Mode::Track);
+    let command = || track(trajectory, pid(), true);
+    for samples in [run::<f32>(command(), Mode::Track), run::<Q32>(command(), Mode::Track)] {
+        is_the_profile(&samples, &profile);
+    }
+}
+
+fn is_the_profile(samples: &[Sample], profile: &Profile<f64>) {
     let first = samples[0].tick;
-    for sample in &samples {
+    for sample in samples {
         let expected = (profile.at(sample.tick - first).x / STEP).round() as i32;
         assert!((sample.reference - expected).abs() <= 1, "{sample:?}: {expected}");
     }
@@ -184,7 +205,7 @@ fn an_s_curve_is_the_one_of_its_limits() {
     assert!(profile.ticks() < 1800 && samples.len() == 4000);
     let there = &samples[profile.ticks() as usize + 190];
     assert!((there.reference, (there.count - 2000).abs() <= 2) == (2000, true), "{there:?}");
-    assert!(rms(&samples) < 2.0 * STEP, "{}", rms(&samples));
+    assert!(rms(samples) < 2.0 * STEP, "{}", rms(samples));
 }
 
 /// On a reversed encoder every loop is one of positive feedback: the drive grows with the motion against it, and keeps its sign.

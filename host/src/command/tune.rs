@@ -234,6 +234,11 @@ fn document(design: &Design, request: &Request) -> anyhow::Result<Document> {
     })
 }
 
+/// To hundredths, downwards: what is printed is borne.
+fn floor(hz: f64) -> f64 {
+    (hz * 100.0).floor() / 100.0
+}
+
 fn table(document: &Document, units: &Units) -> String {
     let mut text = String::new();
     let (u, x) = (&units.u, &units.x);
@@ -279,7 +284,11 @@ fn table(document: &Document, units: &Units) -> String {
         );
         // The default is the largest itself, to a rounding.
         let _ = if count.drive > count.largest * (1.0 + 1e-6) {
-            writeln!(text, ": too much, the drive will be noise; ask for at most --bandwidth {:.4}", count.bandwidth_hz)
+            writeln!(
+                text,
+                ": too much, the drive will be noise; ask for at most --bandwidth {:.2}",
+                floor(count.bandwidth_hz)
+            )
         } else {
             writeln!(text, " (up to a bandwidth of {:.2} Hz)", count.bandwidth_hz)
         };

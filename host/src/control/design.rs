@@ -33,6 +33,9 @@ pub struct Request {
 /// The default bandwidth over the largest that tick and delay allow: room for a model that is a factor of two off.
 pub const DEFAULT_SHARE: f64 = 0.25;
 
+/// Less than this share of the largest is no bandwidth to control with: such an encoder's step is wrong, or in another unit.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// How fast the adaptive law adapts by default, rad/s: a change of friction is learnt in a minute or two.
 pub const DEFAULT_ADAPTATION_RATE: f64 = 5.0;
 
@@ -68,6 +71,16 @@ impl Request {
         let [least, most] = SHARE_OF_LIMIT.map(|share| share * self.drive_limit);
         let drive = if most.is_finite() { drive.clamp(least, most) } else { drive };
         Resolution { step: self.encoder_step, drive }
+    }
+
+    /// A quarter of what tick and delay allow, and no more than the encoder bears, Hz.
+    fn default_bandwidth_hz(&self, base: &Base<f64>) -> Result<f64, ControlError> {
+        let largest = largest_bandwidth_hz(base.b, base.c, self.tick_s, self.delay_ticks);
+        let for_encoder = self.encoder_bandwidth_hz(base);
+        if for_encoder < LEAST_SHARE * largest {
+            return Err(ControlError::Encoder { step: self.encoder_step, bandwidth_hz: for_encoder });
+        }
+        Ok((DEFAULT_SHARE * largest).min(for_encoder))
     }
 
     /// The largest bandwidth that the encoder bears, Hz.
@@ -114,11 +127,10 @@ impl Design {
         let Base { b, c, f1 } = model.base;
         let Request { tick_s, delay_ticks, drive_limit, encoder_step, .. } = *request;
         let (speed, acceleration) = request.motion(&model.base);
-        let default_hz = || {
-            let largest = largest_bandwidth_hz(b, c, tick_s, delay_ticks);
-            (DEFAULT_SHARE * largest).min(request.encoder_bandwidth_hz(&model.base))
+        let bandwidth_hz = match request.bandwidth_hz {
+            Some(bandwidth_hz) => bandwidth_hz,
+            None => request.default_bandwidth_hz(&model.base)?,
         };
-        let bandwidth_hz = request.bandwidth_hz.unwrap_or_else(default_hz);
         let encoder = request.resolution(&model.base);
         let gains = tune_behind(b, c, bandwidth_hz, tick_s, delay_ticks, &encoder)?;
         let start = Estimates { b, c, f1, f: 0.0 };

@@ -174,9 +174,9 @@ fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
         let asked = law.drive(&mut state, reference, x, reference.v.sgn());
         u = asked.clamp(-12.0, 12.0);
         if u == asked {
-            law.learn(&mut state)
+            law.learn(&mut state);
         } else {
-            law.cut(&mut state, u - asked)
+            law.cut(&mut state, u - asked);
         }
         squares[(k / MINUTE) as usize] += u * u / f64::from(MINUTE);
     }

@@ -23,9 +23,9 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
         let u = pid.drive(&mut state, reference, R::from_f64(reading));
         let saturated = u.abs() > pid.limit();
         if saturated {
-            pid.cut(&mut state, u.max(-pid.limit()).min(pid.limit()) - u)
+            pid.cut(&mut state, u.max(-pid.limit()).min(pid.limit()) - u);
         } else {
-            pid.learn(&mut state)
+            pid.learn(&mut state);
         }
         let applied = pending;
         pending = u.to_f64().clamp(-12.0, 12.0);
