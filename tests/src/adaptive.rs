@@ -136,9 +136,9 @@ impl Loop {
                 let wanted = law.drive_ideal(&mut state, reference, signals);
                 let u = wanted.clamp(-self.limit, self.limit);
                 if self.freeze && u != wanted {
-                    law.cut(&mut state, u - wanted)
+                    law.cut(&mut state, u - wanted);
                 } else {
-                    law.learn(&mut state)
+                    law.learn(&mut state);
                 }
                 plant.advance(u, self.tick_s);
                 Moment { t, reference: reference.x, error, u, estimates: state.estimates }
