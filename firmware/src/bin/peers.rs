@@ -52,7 +52,7 @@ mod image {
         config.push(sums, count);
     }
 
-    /// Our PID: filtered derivative, saturation, an integral that is frozen by it.
+    /// Our PID: filtered derivative, saturation, an integral that goes back by what is cut off.
     #[inline(never)]
     fn ours(law: &Pid<f32>, state: &mut PidState<f32>, reference: f32, x: f32) -> f32 {
         let wanted = law.drive(state, Setpoint { x: reference, v: 0.0, a: 0.0 }, x);
