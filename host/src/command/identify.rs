@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
-use crate::file::{FileKind, Target};
+use crate::file::{FileKind, Target, shown};
 use crate::identify::estimate::{self, Estimate, Identified, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
@@ -114,11 +114,11 @@ impl Args {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
         let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
-        let mut result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
+        let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
         result.remarks.extend(remarks);
         let units = recordings[0].units.clone();
         if let Some(target) = &self.output {
-            let names: Vec<String> = self.recordings.iter().map(|path| path.display().to_string()).collect();
+            let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
             target.write_text(&model(&result, &units, &names)?.to_toml())?;
         }
         output.print(&Document::new(&result, &units), table)

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::UsageError;
-use crate::file::{FileKind, Target, TargetError, apart, may_write};
+use crate::file::{FileKind, Target, TargetError, apart, is_standard_input, may_write};
 
 /// How results are printed, and what they may replace.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,9 @@ impl Output {
     pub fn claim(self, targets: &[(&Target, FileKind)], inputs: &[&Path]) -> anyhow::Result<Self> {
         let all: Vec<&Target> = targets.iter().map(|(target, _)| *target).collect();
         apart(&all).map_err(told)?;
+        if inputs.iter().filter(|path| is_standard_input(path)).count() > 1 {
+            return Err(UsageError("`-` is given more than once; standard input can be read once".to_owned()).into());
+        }
         let mut taken = self.taken;
         for (target, kind) in targets {
             match target {

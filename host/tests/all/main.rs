@@ -8,6 +8,7 @@ mod device;
 mod effects;
 mod fleet;
 mod identify_data;
+mod inputs;
 mod measured;
 mod messages;
 mod model;

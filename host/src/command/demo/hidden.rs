@@ -68,7 +68,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
     })?;
     let found = discover(&request, &|_| ())?;
     let (report, model) = (folder.join("discovery.html"), folder.join("improved.toml"));
-    write(&report, &discovery::html(&found))?;
+    write(&report, &discovery::html(&found, &discovery::folds(&request.recordings, &found)))?;
     write(&folder.join("ladder.svg"), &discovery::ladder_figure(&found).file())?;
     improved(&found).write(&model)?;
     let ladder = [&found.ladder[0], &found.ladder[found.ladder.len() - 1]];

@@ -66,10 +66,10 @@ impl Fleet<'_> {
         };
         let rows = job.run(
             |inputs| {
-                let found = find(self.columns, inputs, &|_| {})?;
+                let (found, folds) = find(self.columns, inputs, &|_| {})?;
                 Ok(Found {
                     model: improved(&found),
-                    report: discovery::html(&found),
+                    report: discovery::html(&found, &folds),
                     document: serde_json::to_value(json::Document::from(&found))?,
                 })
             },
@@ -152,6 +152,7 @@ impl Fleet<'_> {
             "encoder_step": options.encoder_step,
             "counts_per_turn": options.counts_per_turn,
             "wrap": options.wrap.map(|wrap| wrap.to_string()),
+            "window_s": options.window_s,
             "where": options.select.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }
