@@ -102,7 +102,7 @@ impl Args {
         if let Some(target) = &self.report {
             target.write_text(&discovery::html(&found, &folds))?;
         }
-        output.print(&json::Document::from(&found), |_| told(&found))
+        output.print(&json::Document::from(&found), |_| in_words(&found))
     }
 }
 
@@ -171,7 +171,7 @@ fn provenance(inputs: impl Iterator<Item = (String, String)>) -> Provenance {
 }
 
 /// The result for people.
-fn told(found: &Discovery) -> String {
+fn in_words(found: &Discovery) -> String {
     let mut text = format!("{}: {}\n", found.verdict.name().replace('_', " "), discovery::sentence::sentence(found));
     for effect in &found.effects {
         let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);

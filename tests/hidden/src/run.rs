@@ -141,7 +141,7 @@ fn record(
         trace.y_rate.push(v * slope);
         trace.seen.push(from_zero(reading.exact));
         trace.measured.push(from_zero(reading.reported));
-        let pushed = plant.sample_for(supplied, t, duration, |offset, s| sensor.pass(t + offset, law.encoder(s.x)));
+        let pushed = plant.sample_for(supplied, t, duration, |offset, s| sensor.measure(t + offset, law.encoder(s.x)));
         trace.torque.push(pushed);
     }
     trace

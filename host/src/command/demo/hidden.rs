@@ -80,11 +80,11 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
         noise_floor: found.noise_floor,
         report: report.display().to_string(),
         model: model.display().to_string(),
-        told: told(kind, breakaway.force, &found),
+        told: in_words(kind, breakaway.force, &found),
     })
 }
 
-fn told(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
+fn in_words(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
     let mut lines = vec![
         format!("an effect was hidden in the axis; break-away force found: {force:.3} V; suite of 8 experiments, 60 s"),
         crate::report::discovery::sentence::sentence(found),

@@ -115,7 +115,7 @@ impl Args {
         make_folder(folder)?;
         let truth = papers_plant();
         let bar = progress::bar("demo", 4);
-        let learnt = learn(truth.base, &truth.units)?;
+        let learnt = identified(truth.base, &truth.units)?;
         bar.inc(1);
 
         let mut recordings = Vec::new();
@@ -150,7 +150,7 @@ impl Args {
             estimator: best.estimator,
             discovery,
             seconds: start.elapsed().as_secs_f64(),
-            story: told(&story),
+            story: in_words(&story),
         };
         output.print(&document, text)
     }
@@ -175,7 +175,7 @@ fn write(path: &Path, content: &str) -> anyhow::Result<()> {
 }
 
 /// Relay experiments, sine fits of their settled halves, and the identified model.
-fn learn(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
+fn identified(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
     // Every experiment begins at zero, as if the axis were homed in between.
     let axis = Axis::new(truth, &[], units.clone());
     let experiments: Vec<Experiment> = RELAYS
@@ -321,7 +321,7 @@ fn worst(story: &Story<'_>) -> f64 {
 }
 
 /// The story in lines.
-fn told(story: &Story<'_>) -> Vec<String> {
+fn in_words(story: &Story<'_>) -> Vec<String> {
     let (units, mut lines) = (&story.units, Vec::new());
     for cycle in &story.cycles {
         lines.push(format!(
@@ -375,7 +375,7 @@ mod tests {
     #[test]
     fn the_demo_finds_the_papers_plant() {
         let truth = papers_plant();
-        let learnt = learn(truth.base, &truth.units).unwrap();
+        let learnt = identified(truth.base, &truth.units).unwrap();
         let story = story(&learnt, truth.base, &truth.units).unwrap();
         let best = &learnt.identified.best;
         for (value, truth) in [(best.b, truth.base.b), (best.c, truth.base.c), (best.f1, truth.base.f1)] {

@@ -15,7 +15,7 @@ use crate::fleet::machine::{Machine, machines};
 use crate::fleet::page::sentence;
 use crate::fleet::result::{Found, Place};
 use crate::fleet::row::Row;
-use crate::fleet::table::told;
+use crate::fleet::table::in_words;
 use crate::fleet::work::Job;
 use crate::report::{discovery, json};
 
@@ -87,7 +87,13 @@ impl Fleet<'_> {
             summary_html: self.output.join("summary.html").display().to_string(),
         };
         output.print(&document, |document| {
-            format!("{}\n{}\n{} and {}\n", told(&rows), sentence(&rows), document.summary_csv, document.summary_html)
+            format!(
+                "{}\n{}\n{} and {}\n",
+                in_words(&rows),
+                sentence(&rows),
+                document.summary_csv,
+                document.summary_html
+            )
         })?;
         let machines = rows.len();
         anyhow::ensure!(

@@ -1,8 +1,8 @@
 //! The papers' own formulas, literally, as a reference only: they contain the errors that the errata list.
 //!
-//! Use [`super::modulating`] or [`super::describing_function`] instead.
+//! Use [`breakaway_core::estimate::modulating`] or [`breakaway_core::estimate::describing_function`] instead.
 
-use crate::scalar::Real;
+use breakaway_core::scalar::Real;
 
 /// One relay experiment as the papers use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
