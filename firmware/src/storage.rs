@@ -11,7 +11,7 @@ use breakaway_core::link::{FaultCause, Model, Settings};
 
 /// Version of what is stored. Raised when [`Settings`] or [`Model`] change on the wire. (1 was another format, which reads as
 /// damaged.)
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// What start-up found.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,13 +23,15 @@ pub struct Loaded {
     /// What was lost: [`FaultCause::SettingsLost`] (then there is no model either: its units are the settings') or
     /// [`FaultCause::ModelLost`], with the version that was found, −1 where none could be read.
     pub lost: Option<(FaultCause, i32)>,
+    /// The travel limits are saved ones, not the board's own: they count from a zero that is not known since the reset.
+    pub zero_needed: bool,
 }
 
 impl Loaded {
     /// What a board that never saved anything starts with.
     #[must_use]
     pub fn defaults(settings: Settings) -> Self {
-        Self { settings, model: None, lost: None }
+        Self { settings, model: None, lost: None, zero_needed: false }
     }
 }
 

@@ -177,7 +177,7 @@ What differs from the paper's eqs 22–31, beyond the errata:
 | change | why |
 |---|---|
 | â and f̂2 are one estimate, ĉ = f̂2 − â | they multiply the same velocity; no data tell them apart, and one gain kc = ka + kf2 does what two did |
-| b̂ ≥ b_min; f̂1, ĉ, f̂ ≥ 0 | projection: an estimate outside its physical range only costs time |
+| b_min ≤ b̂ ≤ b_max; f̂1, ĉ, f̂ ≥ 0 | projection: an estimate outside its physical range only costs time, and above b_max = b·0.8/((1 + d)·(Kv + Λ2)·Ts) the sampled loop leaves what tick and delay allow |
 | f̂' = kf·(\\|s_Δ\\| − σ·f̂) | without the leak f̂ only ever rises |
 | adaptation and ∫e frozen while the drive is saturated | see *Saturation* below |
 | k_i in proportion to the parameters' squares | equal relative speed; the paper's k = 10⁻² for all lets b̂ run away |

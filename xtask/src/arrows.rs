@@ -35,6 +35,7 @@ const CRATES: [Order; 3] = [
             "model",
             "sine",
             "simulate",
+            "fit",
             "identify",
             "discover",
             "control",

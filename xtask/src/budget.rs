@@ -26,7 +26,7 @@ const LIMITS: [(&str, u64, &str); 5] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),
     ("ram_bytes", 16 * 1024, "bytes"),
-    ("nucleo_flash_bytes", 64 * 1024, "bytes"),
+    ("nucleo_flash_bytes", 72 * 1024, "bytes"),
     ("nucleo_ram_bytes", 16 * 1024, "bytes"),
 ];
 

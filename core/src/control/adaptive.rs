@@ -8,13 +8,14 @@
 //! ```
 //!
 //! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
-//! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b̂ ≥ b_min and f̂1, ĉ, f̂ ≥ 0 by projection;
+//! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0 by projection,
+//! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`crate::control::largest_rate`]);
 //! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
 //! parameters' own sizes.
 
 mod settings;
 
-pub use settings::{Adaptation, AdaptiveError, Estimates};
+pub use settings::{Adaptation, AdaptiveError, Estimates, least_delta};
 
 use super::fast::Fast;
 use super::trajectory::Setpoint;
@@ -38,6 +39,7 @@ pub struct Adaptive<R> {
     steps: Estimates<R>,
     sigma: R,
     b_min: R,
+    b_max: R,
     limit: R,
     start: Estimates<R>,
 }
@@ -128,6 +130,8 @@ impl<R: Fast> Adaptive<R> {
         if !within(k.f, F::ONE) {
             return Err(AdaptiveError::F { largest: largest(F::ONE).to_f64() });
         }
+        // (b̂/b)·(Kv + Λ2) is what the sampled loop has for its rate; a start beyond it is not learnt away from.
+        let b_max = gains.b * Gains::largest_rate(tick_s, delay_ticks) / (gains.kv + gains.lambda2);
         let real = |value: F| R::from_f64(value.to_f64());
         Ok(Self {
             lambda1: real(gains.lambda1),
@@ -147,6 +151,7 @@ impl<R: Fast> Adaptive<R> {
             },
             sigma: real(sigma),
             b_min: real(b_min),
+            b_max: real(b_max.max(start.b).max(b_min)),
             limit: real(limit),
             start: Estimates { b: real(start.b), c: real(start.c), f1: real(start.f1), f: real(start.f) },
         })
@@ -203,7 +208,7 @@ impl<R: Fast> Adaptive<R> {
         }
         let hat = &mut state.estimates;
         let k = &self.steps;
-        hat.b = (hat.b - k.b * u_c * s_delta).max(self.b_min);
+        hat.b = (hat.b - k.b * u_c * s_delta).max(self.b_min).min(self.b_max);
         hat.c = (hat.c + k.c * v * s_delta).max(R::ZERO);
         hat.f1 = (hat.f1 + k.f1 * direction * s_delta).max(R::ZERO);
         hat.f = (hat.f + k.f * (s_delta.abs() - self.sigma * hat.f)).max(R::ZERO);

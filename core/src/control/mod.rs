@@ -30,7 +30,7 @@ mod term;
 mod trajectory;
 mod tuning;
 
-pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal};
+pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal, least_delta};
 pub use compensator::{Compensator, CompensatorError, Feed, lead_s};
 pub use controller::{Command, ControlLaw, Controller, ControllerState};
 pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};

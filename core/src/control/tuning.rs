@@ -85,12 +85,16 @@ impl<F: Real> Gains<F> {
         if ranges.iter().any(|g| !g.is_finite() || *g < F::ZERO) || self.kv == F::ZERO || self.lambda2 == F::ZERO {
             return Err(TuningError::Gain);
         }
-        // See `largest_rate`.
-        let largest = F::from_f64(0.8) / (F::from_f64(1.0 + f64::from(delay_ticks)) * tick_s);
+        let largest = Self::largest_rate(tick_s, delay_ticks);
         if self.kv + self.lambda2 > largest.scale(ROUNDING) {
             return Err(TuningError::Rate { largest_per_s: largest.to_f64() });
         }
         Ok(())
+    }
+
+    /// [`largest_rate`], in what the board computes in.
+    pub(super) fn largest_rate(tick_s: F, delay_ticks: u32) -> F {
+        F::from_f64(0.8) / (F::from_f64(1.0 + f64::from(delay_ticks)) * tick_s)
     }
 }
 

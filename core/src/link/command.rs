@@ -61,6 +61,20 @@ pub enum Command {
     ClearFault,
     /// Resets the device, after the reply has gone out.
     Reboot,
+    /// Calls the present position this count; the travel limits hold from there on. Only while idle.
+    Zero {
+        /// The count from now on.
+        count: i32,
+    },
+    /// Pushes the axis without looking at the travel limits: [`Push`].
+    Jog(Push),
+    /// Pushes the axis against a stop, where it stands for `frozen_ticks`; the count there is then `at`.
+    Home {
+        /// How. Its bounds end it where no stop is found.
+        push: Push,
+        /// The count at the stop.
+        at: i32,
+    },
 }
 
 /// When an experiment ends by itself, in addition to the limits of the settings.
@@ -116,6 +130,16 @@ pub struct OpenLoop {
     /// Pull towards the start, drive codes per count in Q16, ≥ 0.
     pub centring_q16: i32,
     /// Further ends.
+    pub bounds: Bounds,
+}
+
+/// A constant drive that the motor can stand for ever: at most `mean_drive_max_code`. It may leave the travel limits, where these
+/// are not referred to a zero yet, and may lead back between them from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Push {
+    /// Drive codes, signed, not 0.
+    pub drive_code: i16,
+    /// Its ends; `max_ticks` ≥ 1.
     pub bounds: Bounds,
 }
 
@@ -258,6 +282,7 @@ impl Command {
                 range(end <= TABLE_POINTS, Field::WaveformOffset)
             }
             Self::StreamOn { decimation } => range(*decimation >= 1, Field::Decimation),
+            Self::Jog(push) | Self::Home { push, .. } => push.validate(),
             _ => Ok(()),
         }
     }
@@ -292,6 +317,14 @@ impl OpenLoop {
         range(self.amplitude_code > 0, Field::Amplitude)?;
         range(self.phase_step <= 1 << 31, Field::PhaseStep)?;
         range(self.centring_q16 >= 0, Field::Centring)?;
+        self.bounds.validate()
+    }
+}
+
+impl Push {
+    fn validate(&self) -> Result<(), CommandError> {
+        range(self.drive_code != 0 && self.drive_code != i16::MIN, Field::PushDrive)?;
+        range(self.bounds.max_ticks >= 1, Field::PushTicks)?;
         self.bounds.validate()
     }
 }

@@ -28,6 +28,8 @@ pub enum CommandError {
     FaultPersists,
     /// The start position is outside the travel limits.
     OutsideTravel,
+    /// The travel limits are saved ones, and the count starts where the axis stood at the reset: home or zero it first.
+    NotZeroed,
 }
 
 says! { CommandError:
@@ -41,6 +43,7 @@ says! { CommandError:
     Self::Unsupported => "this board or firmware cannot do it",
     Self::FaultPersists => "the cause of the fault is still there; remove it first",
     Self::OutsideTravel => "the start position is outside the travel limits",
+    Self::NotZeroed => "its travel limits mean nothing before it is zeroed: home it, or zero it where it stands",
 }
 
 /// A frame that is no valid request.

@@ -39,17 +39,19 @@ pub struct FaultRecord {
 /// What raises a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaultCause {
-    /// Driven at `frozen_drive_code` or more for `frozen_ticks` (value: ticks) without a count.
+    /// Driven at `frozen_drive_code` or more, either way, for `frozen_ticks` in all (value: ticks) without motion, which is 4
+    /// counts: the encoder or one of its channels is dead.
     EncoderFrozen,
     /// The count changed by more than `jump_counts` in one tick (value: counts).
     EncoderJump,
-    /// The encoder did not answer.
+    /// The encoder did not answer, or has lost its count.
     EncoderError,
-    /// `overrun_limit` ticks in a row were late (value: ticks).
+    /// `overrun_limit` ticks in a row were late, or more did not come (value: ticks).
     TickOverrun,
     /// No command for `command_timeout_ms` while moving (value: ms).
     LinkLost,
-    /// The power stage's break input (over-current, over-temperature).
+    /// A protection of the power stage or of the controller (value: the board's number of it): over-current, over-temperature,
+    /// supply, clock.
     BreakInput,
     /// The supply is missing or out of range (value: mV).
     Supply,
@@ -63,18 +65,20 @@ pub enum FaultCause {
     SettingsLost,
     /// The saved model was damaged or of another version; none is loaded.
     ModelLost,
-    /// From rest the axis moved against the drive (value: counts): encoder or motor is connected the wrong way round,
-    /// and no loop may be closed.
+    /// The axis gains speed against the drive (value: its work so far, in counts at `frozen_drive_code`): encoder or motor is
+    /// connected the wrong way round, and no loop may be closed.
     WrongDirection,
     /// The device was reset (pin, supply) while the drive was on (value: tick at which the run had started).
     ResetWhileDriven,
     /// The controller's output was not a finite number.
     NotFinite,
+    /// The emergency stop is open.
+    EmergencyStop,
 }
 
 impl FaultCause {
     /// Every cause.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::EncoderFrozen,
         Self::EncoderJump,
         Self::EncoderError,
@@ -90,6 +94,7 @@ impl FaultCause {
         Self::WrongDirection,
         Self::ResetWhileDriven,
         Self::NotFinite,
+        Self::EmergencyStop,
     ];
 }
 
@@ -106,7 +111,8 @@ pub struct Ended {
     pub ticks: u32,
 }
 
-/// How an experiment ended. Only [`Ending::Settled`] and, where it was asked for, [`Ending::TimeUp`] are a success.
+/// How an experiment ended. Only [`Ending::Settled`], [`Ending::Homed`] and, where it was asked for, [`Ending::TimeUp`] are a
+/// success.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
     /// Its ticks are up.
@@ -121,7 +127,7 @@ pub enum Ending {
         /// Cycles seen.
         cycles: u16,
     },
-    /// There is no limit cycle: no motion, or it died (h2 ≤ f1).
+    /// There is no limit cycle: no motion, or it died (h2 ≤ f1). A push that moves nothing ends so too.
     NoLimitCycle,
     /// A limit was reached. This is not a fault.
     Limit {
@@ -134,6 +140,8 @@ pub enum Ending {
     Stopped,
     /// A fault.
     Fault(FaultCause),
+    /// A stop was found, and the count there is what was asked for.
+    Homed,
 }
 
 /// A limit of the settings or of the experiment.

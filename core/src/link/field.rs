@@ -29,11 +29,11 @@ macro_rules! fields {
 }
 
 fields! {
-    DriveMax "drive_max_code" "1 to 32767 drive codes",
+    DriveMax "drive_max_code" "1 to 32767 drive codes, and what the board's power stage can give",
     TravelMin "travel_min_counts" "below travel_max_counts",
     TravelMax "travel_max_counts" "above travel_min_counts",
     SpeedMax "speed_max_counts_per_s" "1 to 2147483647 counts/s",
-    CurrentMax "current_max_ma" "any number of mA; 0 for no limit",
+    CurrentMax "current_max_ma" "any number of mA; 0 for no limit, and where the board measures no current",
     MeanDriveMax "mean_drive_max_code" "1 to 32767 drive codes",
     FrozenTicks "frozen_ticks" "1 to 16777216 ticks",
     FrozenDrive "frozen_drive_code" "1 to 32767 drive codes",
@@ -61,7 +61,7 @@ fields! {
     Kv "kv" "finite and above 0",
     Lambda1 "lambda1" "finite and above 0",
     Lambda2 "lambda2" "finite and above 0",
-    Delta "delta" "finite and above 0",
+    Delta "delta" "finite, and at least half of the speed that a count makes in the filter: position_per_count / 6 ticks",
     Rates "rates" "finite and at least 0",
     WaveformOffset "waveform offset" "offset + length at most 512 points",
     Decimation "decimation" "1 or more",
@@ -70,4 +70,7 @@ fields! {
     F1 "f1" "finite and at least 0",
     EffectKind "effect" "one of this firmware's catalogue (`breakaway effects`)",
     EffectParameters "effect parameters" "as many as the catalogue says, each within its range",
+    Brake "brake" "true or false",
+    PushDrive "push drive" "not 0, and within mean_drive_max_code either way",
+    PushTicks "push ticks" "1 or more",
 }

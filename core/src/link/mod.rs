@@ -24,7 +24,8 @@ mod sample;
 mod settings;
 
 pub use command::{
-    Adaptive, Bounds, Command, Controller, OpenLoop, Pid, Reference, Relay, Request, Track, Trajectory, WaveformPart,
+    Adaptive, Bounds, Command, Controller, OpenLoop, Pid, Push, Reference, Relay, Request, Track, Trajectory,
+    WaveformPart,
 };
 pub use error::{CommandError, Rejected};
 pub use event::{Ended, Ending, Event, FaultCause, FaultRecord, Limit, Mismatch};
@@ -37,7 +38,7 @@ pub use sample::{BATCH_BYTES, Batch, BatchError, BatchWriter, Mode, Sample};
 pub use settings::{Settings, SettingsError};
 
 /// Version of the messages and frames. Raised with every change of the golden vectors that leaves the house.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 /// The baud rate of boards whose link has one.
 pub const BAUD: u32 = 921_600;
 /// The drive code of full drive.

@@ -76,6 +76,8 @@ pub struct Status {
     pub overruns: u32,
     /// Settings or model differ from what is saved.
     pub unsaved: bool,
+    /// Nothing but a push starts before the axis is homed or zeroed ([`CommandError::NotZeroed`]).
+    pub zero_needed: bool,
 }
 
 /// A value and its standard error.

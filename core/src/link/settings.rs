@@ -15,11 +15,11 @@ pub struct Settings {
     pub travel_max_counts: i32,
     /// Limit: speed, counts/s, 1 ..= 2³¹ − 1.
     pub speed_max_counts_per_s: u32,
-    /// Limit: motor current, mA; 0 for none (or no sensor).
+    /// Limit: motor current, mA; 0 for none. A board that measures no current refuses any other.
     pub current_max_ma: u32,
-    /// Limit: |drive| averaged over about a second, drive codes, ≥ 1: what the motor stands for long.
+    /// Limit: |drive| averaged over about a second, drive codes, ≥ 1: what the motor stands for long when it stands still.
     pub mean_drive_max_code: i16,
-    /// Guard: driven for this many ticks without a count is a frozen encoder, 1 ..= 2²⁴.
+    /// Guard: driven for this many ticks in all without motion (4 counts) is a frozen encoder, 1 ..= 2²⁴.
     pub frozen_ticks: u32,
     /// Guard: |drive| from which the axis is expected to move, drive codes, ≥ 1.
     pub frozen_drive_code: i16,
@@ -43,6 +43,9 @@ pub struct Settings {
     pub drive_full_scale: f32,
     /// Unit of drive.
     pub drive_unit: DriveUnit,
+    /// After a run the motor is held by its own current (both ends of it at the same side of the supply), where the power stage can;
+    /// else it coasts. It coasts after a trip and a reset in any case.
+    pub brake: bool,
 }
 
 /// Which setting is out of range.
@@ -50,7 +53,8 @@ pub type SettingsError = Field;
 
 impl Default for Settings {
     /// A 4096-count encoder on a 24 V supply, at half drive and within ten revolutions either way: enough to move any
-    /// axis gently, too little to wind one up.
+    /// axis gently, too little to wind one up. For longer than about a second, an eighth of the drive, which a motor of that
+    /// voltage stands when it is blocked.
     fn default() -> Self {
         Self {
             drive_max_code: i16::MAX / 2,
@@ -58,7 +62,8 @@ impl Default for Settings {
             travel_max_counts: 40_960,
             speed_max_counts_per_s: 1_000_000,
             current_max_ma: 0,
-            mean_drive_max_code: i16::MAX / 2,
+            // A stalled brushed motor draws five to ten times its rated current at its rated voltage. An eighth is about rated.
+            mean_drive_max_code: i16::MAX / 8,
             frozen_ticks: 5_000,
             frozen_drive_code: i16::MAX / 4,
             jump_counts: 1_000,
@@ -71,11 +76,18 @@ impl Default for Settings {
             position_unit: PositionUnit::Radian,
             drive_full_scale: 24.0,
             drive_unit: DriveUnit::Volt,
+            brake: false,
         }
     }
 }
 
 impl Settings {
+    /// Whether both have the same travel limits.
+    #[must_use]
+    pub fn same_travel(&self, other: &Self) -> bool {
+        (self.travel_min_counts, self.travel_max_counts) == (other.travel_min_counts, other.travel_max_counts)
+    }
+
     /// Checks every range.
     ///
     /// # Errors

@@ -75,6 +75,10 @@ pub fn drive() -> OpenLoop {
     OpenLoop { shape: Shape::Table, amplitude_code: 3_000, phase_step: 107_374, centring_q16: 65_536, bounds: BOUNDS }
 }
 
+pub fn push() -> Push {
+    Push { drive_code: -1_638, bounds: BOUNDS }
+}
+
 pub fn adaptive() -> Adaptive {
     Adaptive { kv: 30.0, lambda1: 400.0, lambda2: 40.0, delta: 0.1, rates: [0.1, 0.2, 0.3, 0.4, 0.5] }
 }
@@ -122,6 +126,9 @@ pub fn commands() -> Vec<(String, Command)> {
         ("get_fault", Command::GetFault),
         ("clear_fault", Command::ClearFault),
         ("reboot", Command::Reboot),
+        ("zero", Command::Zero { count: -1_234 }),
+        ("jog", Command::Jog(push())),
+        ("home", Command::Home { push: push(), at: 40_960 }),
     ]
     .map(|(name, command)| (name.to_owned(), command))
     .into();
@@ -180,6 +187,7 @@ pub fn replies() -> Vec<(String, Reply)> {
         bad_frames: 2,
         overruns: 1,
         unsaved: true,
+        zero_needed: true,
     };
     let mut list: Vec<(String, Reply)> = [
         ("info", Reply::Info(info())),
@@ -205,6 +213,7 @@ pub fn replies() -> Vec<(String, Reply)> {
         CommandError::Unsupported,
         CommandError::FaultPersists,
         CommandError::OutsideTravel,
+        CommandError::NotZeroed,
     ];
     list.extend(errors.into_iter().map(|error| (format!("error {error:?}"), Reply::Error(error))));
     list
@@ -226,6 +235,7 @@ pub fn events() -> Vec<(String, Event)> {
         Ending::Limit { limit: Limit::Bound, value: -5_001 },
         Ending::Stopped,
         Ending::Fault(FaultCause::ModelLost),
+        Ending::Homed,
     ];
     list.extend(endings.map(|ending| (format!("ended {ending:?}"), ended(ending))));
     list

@@ -28,6 +28,8 @@ pub enum Order<'a> {
     ClearFault,
     /// New guards, from new settings. Answered.
     Guards(Guards),
+    /// The present position is this count from now on. Answered.
+    Zero(i32),
     /// Points of the waveform table. Answered.
     Waveform(WaveformPart),
     /// End the run for this reason, which the thread has found in the samples.

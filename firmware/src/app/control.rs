@@ -3,17 +3,6 @@
 //! The tick is generic over it, so that a core without an FPU can be built with [`NoController`] and hold no
 //! floating-point code at all.
 
-/// What a controller is given, once per tick.
-#[derive(Clone, Copy, Debug)]
-pub struct ControlInput {
-    /// Counts from where the run started.
-    pub distance: i32,
-    /// Drive applied since the last tick, drive codes.
-    pub applied: i16,
-    /// The last command was cut by a limit: integrators must wait.
-    pub limited: bool,
-}
-
 /// A controller with its trajectory.
 pub trait Controller {
     /// What a run under control needs to know: checked by the thread before it is ordered.
@@ -22,9 +11,9 @@ pub trait Controller {
     /// Starts a run at distance 0, which is at this `count`.
     fn start(&mut self, plan: &Self::Plan, count: i32);
 
-    /// One tick: the drive in drive codes and the reference in counts from the start; `None` if a number is no longer
-    /// finite.
-    fn tick(&mut self, input: ControlInput) -> Option<(i32, i32)>;
+    /// One tick, so many counts from the start: the drive in drive codes and the reference in counts from the start; `None` if a
+    /// number is no longer finite. What the drive may be is in the plan: it is applied as it is.
+    fn tick(&mut self, distance: i32) -> Option<(i32, i32)>;
 
     /// The trajectory is at its end and the run with it.
     fn finished(&self) -> bool;
@@ -41,7 +30,7 @@ impl Controller for NoController {
         match *plan {}
     }
 
-    fn tick(&mut self, _: ControlInput) -> Option<(i32, i32)> {
+    fn tick(&mut self, _: i32) -> Option<(i32, i32)> {
         None
     }
 

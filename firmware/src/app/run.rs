@@ -23,16 +23,19 @@ pub struct RunLimits {
     pub drive_code: i16,
     /// Largest distance from the start, counts.
     pub travel_counts: u32,
+    /// Lowest and highest position, counts.
+    pub travel: (i32, i32),
 }
 
 impl RunLimits {
     /// Those of the settings, tightened by a run's bounds where it has some.
-    pub(super) fn new(guards: &Guards, bounds: Bounds) -> Self {
+    pub(super) fn new(guards: &Guards, bounds: Bounds, travel: (i32, i32)) -> Self {
         let drive_code = match bounds.drive_max_code {
             1.. => guards.drive_code.min(bounds.drive_max_code),
             _ => guards.drive_code,
         };
-        Self { drive_code, travel_counts: if bounds.travel_counts == 0 { u32::MAX } else { bounds.travel_counts } }
+        let travel_counts = if bounds.travel_counts == 0 { u32::MAX } else { bounds.travel_counts };
+        Self { drive_code, travel_counts, travel }
     }
 }
 

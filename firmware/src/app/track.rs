@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{Controller as Law, ControllerState, Profile, Setpoint, Sine};
 
-use super::control::{ControlInput, Controller};
+use super::control::Controller;
 
 /// A reference relative to the start, position units.
 #[derive(Clone, Copy, Debug)]
@@ -103,11 +103,11 @@ impl Controller for TrackController {
         self.running = Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0 });
     }
 
-    fn tick(&mut self, input: ControlInput) -> Option<(i32, i32)> {
+    fn tick(&mut self, distance: i32) -> Option<(i32, i32)> {
         let Running { plan, state, origin, k } = self.running.as_mut()?;
         let reference = plan.path.at(*k);
         *k = k.saturating_add(1);
-        let command = plan.law.tick_from(state, reference, input.distance as f32 * plan.position_per_count, *origin);
+        let command = plan.law.tick_from(state, reference, distance as f32 * plan.position_per_count, *origin);
         if !command.u.is_finite() {
             return None;
         }

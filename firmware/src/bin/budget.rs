@@ -146,7 +146,13 @@ mod image {
         assert!(routines::hold(), "a routine of board/routines.rs is wrong");
         let meter = Meter::new(peripherals.SYST);
         Virtual::default().retained().write([0; 8]);
-        let identity = Identity { board: "budget", build: "", tick_hz: TICK_HZ };
+        let identity = Identity {
+            board: "budget",
+            build: "",
+            tick_hz: TICK_HZ,
+            drive_max_code: FULL_SCALE_CODE,
+            measures_current: false,
+        };
         let settings = Settings {
             drive_max_code: FULL_SCALE_CODE,
             mean_drive_max_code: FULL_SCALE_CODE,
@@ -166,7 +172,7 @@ mod image {
         };
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
-        let start = guards(&loaded.settings, &identity);
+        let start = guards(&loaded, &identity);
         let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
         let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);

@@ -88,6 +88,7 @@ mod image {
         position_unit: breakaway_core::link::PositionUnit::Radian,
         drive_full_scale: 1.0,
         drive_unit: breakaway_core::link::DriveUnit::Volt,
+        brake: true,
     };
 
     unsafe extern "C" {

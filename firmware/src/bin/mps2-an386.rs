@@ -19,7 +19,13 @@ mod image {
                 break (tick_hz.max(1), settings);
             }
         };
-        let identity = Identity { board: "mps2-an386", build: env!("BREAKAWAY_BUILD"), tick_hz };
+        let identity = Identity {
+            board: "mps2-an386",
+            build: env!("BREAKAWAY_BUILD"),
+            tick_hz,
+            drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
+            measures_current: false,
+        };
         let Some(mut store) = FlashStore::new(SimulatedFlash::open(true), 0..4096) else {
             panic!("the simulated flash has two pages");
         };
@@ -28,7 +34,7 @@ mod image {
         let (tick_end, app_end) = channels.split();
         let mut sums = Sums::new();
         let timing = TickSettings::at_rate(tick_hz);
-        let start = guards(&loaded.settings, &identity);
+        let start = guards(&loaded, &identity);
         let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
         let mut app = App::new(app_end, TrackController::default(), Link::new(), store, identity, loaded, &mut sums);
         loop {

@@ -28,7 +28,13 @@ mod image {
     #[entry]
     fn main() -> ! {
         let Parts { board, ticks, serial, flash } = start();
-        let identity = Identity { board: NAME, build: env!("BREAKAWAY_BUILD"), tick_hz: TICK_HZ };
+        let identity = Identity {
+            board: NAME,
+            build: env!("BREAKAWAY_BUILD"),
+            tick_hz: TICK_HZ,
+            drive_max_code: DRIVE_MAX_CODE,
+            measures_current: false,
+        };
         defmt::info!("{=str} {=str}: {=u32} ticks/s", identity.board, identity.build, identity.tick_hz);
         let Some(mut store) = FlashStore::new(flash, 0..SETTINGS_BYTES) else {
             panic!("the settings have two pages");
@@ -44,7 +50,7 @@ mod image {
             panic!("started twice");
         };
         let (tick_end, app_end) = channels.split();
-        let guards = guards(&loaded.settings, &identity);
+        let guards = guards(&loaded, &identity);
         let tick = Tick::new(board, TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
         let app = App::new(app_end, TrackController::default(), serial, store, identity, loaded, sums);
         let (Some(tick), Some(app)) = (singleton!(: BoardTick = tick), singleton!(: BoardApp = app)) else {

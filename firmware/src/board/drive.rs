@@ -33,6 +33,15 @@ pub trait Drive {
     /// The power stage could not be set; it is then switched off as far as it can be.
     fn apply(&mut self, command: i32) -> Result<Applied, Self::Error>;
 
+    /// Holds both ends of the motor together until [`Drive::enable`] or [`Drive::off`], where the stage can: it brakes by its own
+    /// current. Where it cannot, the same as [`Drive::off`].
+    ///
+    /// # Errors
+    /// As of [`Drive::off`].
+    fn brake(&mut self) -> Result<(), Self::Error> {
+        self.off()
+    }
+
     /// Switches the power stage off: the motor coasts until [`Drive::enable`].
     ///
     /// # Errors

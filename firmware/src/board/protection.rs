@@ -3,8 +3,10 @@
 /// A hardware protection that has switched the power stage off, or wants it off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trip {
-    /// The break input (overcurrent comparator, emergency stop). The number is the board's own.
+    /// A protection of the power stage or of the controller (overcurrent comparator, clock, supply). The number is the board's own.
     Break(i32),
+    /// The emergency stop.
+    EmergencyStop,
     /// The supply is missing or outside its range; its voltage in millivolts.
     Supply(i32),
 }

@@ -13,6 +13,8 @@ pub struct Limits {
     /// By how much the power stage shortens every pulse (its dead time), in PWM counts; less than full duty.
     /// It is reported, not made up for.
     pub dead_time: u16,
+    /// Enabled without duty, the stage holds both ends of the motor together.
+    pub brakes: bool,
 }
 
 /// Which setting of a [`SignMagnitude`] drive is out of range.
@@ -127,6 +129,16 @@ impl<P: SetDutyCycle, D: OutputPin, E: OutputPin> Drive for SignMagnitude<P, D, 
         let pulse = duty.saturating_sub(self.limits.dead_time);
         let applied = scale(pulse, full, self.full_duty, self.full_duty / 2) as i16;
         Ok(Applied { code: if code < 0 { -applied } else { applied }, limited: code != command })
+    }
+
+    fn brake(&mut self) -> Result<(), DriveError> {
+        if !self.limits.brakes {
+            return self.off();
+        }
+        // No command gets through, as after `off`.
+        self.enable()?;
+        self.enabled = false;
+        Ok(())
     }
 
     fn off(&mut self) -> Result<(), DriveError> {

@@ -83,9 +83,10 @@ impl<F: NorFlash> FlashStore<F> {
         let Some((settings, rest)) = settings(content) else {
             return lost(FaultCause::SettingsLost, -1);
         };
+        let zero_needed = !settings.same_travel(&defaults);
         match model(rest) {
-            Ok(model) => Loaded { settings, model, lost: None },
-            Err(()) => Loaded { settings, ..lost(FaultCause::ModelLost, -1) },
+            Ok(model) => Loaded { settings, model, lost: None, zero_needed },
+            Err(()) => Loaded { settings, zero_needed, ..lost(FaultCause::ModelLost, -1) },
         }
     }
 

@@ -34,7 +34,7 @@ fn what_was_saved_last_is_loaded_over_many_saves() {
         let mut open = store(&mut ram);
         open.load(settings(0));
         open.save(&settings(n), model(n).as_ref()).unwrap();
-        let expected = Loaded { settings: settings(n), model: model(n), lost: None };
+        let expected = Loaded { settings: settings(n), model: model(n), lost: None, zero_needed: false };
         assert_eq!(store(&mut ram).load(settings(0)), expected, "save {n}");
     }
 }
@@ -47,7 +47,7 @@ fn a_damaged_image_is_defaults_and_a_fault_or_what_was_saved() {
         open.load(settings(0));
         open.save(&settings(n), model(n).as_ref()).unwrap();
     }
-    let saved = Loaded { settings: settings(4), model: model(4), lost: None };
+    let saved = Loaded { settings: settings(4), model: model(4), lost: None, zero_needed: false };
     let mut lost = 0;
     // Each byte turned over, one at a time: never an older or a wrong value without a word.
     for at in 0..2 * PAGE {
@@ -85,8 +85,8 @@ fn power_cut_anywhere_in_a_save_leaves_what_was_there_or_what_is_new_and_the_nex
             open.load(settings(0));
             open.save(&settings(n), model(n).as_ref()).unwrap();
         }
-        let old = Loaded { settings: settings(saves), model: model(saves), lost: None };
-        let new = Loaded { settings: settings(50), model: model(50), lost: None };
+        let old = Loaded { settings: settings(saves), model: model(saves), lost: None, zero_needed: false };
+        let new = Loaded { settings: settings(50), model: model(50), lost: None, zero_needed: false };
         let mut news = 0;
         // A save over a page that was used erases its 2048 bytes, then writes under 200.
         for power in 0..PAGE + 200 {
@@ -106,7 +106,7 @@ fn power_cut_anywhere_in_a_save_leaves_what_was_there_or_what_is_new_and_the_nex
             let mut open = store(&mut ram);
             open.load(settings(0));
             open.save(&settings(60), None).unwrap();
-            let last = Loaded { settings: settings(60), model: None, lost: None };
+            let last = Loaded { settings: settings(60), model: None, lost: None, zero_needed: false };
             assert_eq!(store(&mut ram).load(settings(0)), last, "{power}");
         }
         assert!((1..PAGE + 200).contains(&news), "{news} of the cuts were after the record");
@@ -148,4 +148,18 @@ fn the_largest_settings_and_model_fit_a_record() {
     let effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
     let model = Model { b: 0.1, c: 0.2, f1: 0.3, effects };
     assert_eq!(store(&mut blank()).save(&settings, Some(&model)), Ok(()));
+}
+
+/// Travel limits that are saved count from a zero that a reset loses; those that the board has anyway do not.
+#[test]
+fn saved_travel_limits_need_a_zero() {
+    for (travel_max_counts, zero_needed) in [(9_000, true), (Settings::default().travel_max_counts, false)] {
+        let mut ram = blank();
+        let settings = Settings { travel_max_counts, ..settings(3) };
+        let mut open = store(&mut ram);
+        open.load(Settings::default());
+        open.save(&settings, None).unwrap();
+        let loaded = store(&mut ram).load(Settings::default());
+        assert_eq!((loaded.settings, loaded.zero_needed), (settings, zero_needed));
+    }
 }

@@ -22,11 +22,21 @@ pub struct Axis {
     pub state: State<f64>,
     pub base: Base<f64>,
     pub effects: Vec<Effect<f64>>,
+    /// Drive of the ticks so far, V: what a delay looks back on.
+    pub past: Vec<f64>,
+    /// A stop that gives nothing, rad.
+    pub stop: Option<f64>,
 }
 
 impl Default for Axis {
     fn default() -> Self {
-        Self { state: Plant { base: PLANT, effects: &[] }.at_rest(0.0), base: PLANT, effects: Vec::new() }
+        Self {
+            state: Plant { base: PLANT, effects: &[] }.at_rest(0.0),
+            base: PLANT,
+            effects: Vec::new(),
+            past: Vec::new(),
+            stop: None,
+        }
     }
 }
 
@@ -36,8 +46,12 @@ impl Motion for Axis {
     }
     fn advance(&mut self, code: i16) {
         let volts = f64::from(code) / f64::from(FULL_SCALE_CODE) * FULL_SCALE;
+        self.past.push(volts);
         let plant = Plant { base: self.base, effects: &self.effects };
-        plant.advance(&mut self.state, Held { u: &[volts], ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
+        plant.advance(&mut self.state, Held { u: &self.past, ts: 1.0 / f64::from(TICK_HZ), t: 0.0 }, 4);
+        if let Some(stop) = self.stop.filter(|stop| self.state.x > *stop) {
+            (self.state.x, self.state.v) = (stop, 0.0);
+        }
     }
 }
 
@@ -77,16 +91,31 @@ impl Bench {
     }
 
     pub fn with_memory(retained: [u32; RETAINED_WORDS], settings: Settings) -> Self {
-        let world = Shared(Rc::new(RefCell::new(World { retained, ..World::default() })));
-        let identity = Identity { board: "bench", build: "test", tick_hz: TICK_HZ };
+        Self::loaded(retained, Loaded::defaults(settings))
+    }
+
+    /// With what a store says.
+    pub fn loaded(retained: [u32; RETAINED_WORDS], loaded: Loaded) -> Self {
+        Self::on(World { retained, ..World::default() }, loaded)
+    }
+
+    /// In a world that is already so.
+    pub fn on(world: World, loaded: Loaded) -> Self {
+        let identity = Identity {
+            board: "bench",
+            build: "test",
+            tick_hz: TICK_HZ,
+            drive_max_code: world.stage_limit.unwrap_or(FULL_SCALE_CODE),
+            measures_current: false,
+        };
+        let world = Shared(Rc::new(RefCell::new(world)));
         // Leaked: a board has them for ever, too.
         let channels = Box::leak(Box::new(Channels::new()));
         let (tick_end, app_end) = channels.split();
-        let guards = guards(&settings, &identity);
+        let guards = guards(&loaded, &identity);
         let tick =
             Tick::new(world.clone(), TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
         let sums = Box::leak(Box::new(Sums::new()));
-        let loaded = Loaded::defaults(settings);
         let app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, sums);
         Self {
             world,

@@ -1,10 +1,17 @@
 //! Faults: the drive goes off, the cause and its numbers are kept, through a reset, until a command clears them.
 
-use breakaway_core::link::{Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, Reply};
+use breakaway_core::excite::waveform::Shape;
+use breakaway_core::link::{
+    Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
+};
+use breakaway_core::plant::{Effect, Kind, Plant};
+use breakaway_firmware::app::{Channels, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic};
 use breakaway_firmware::board::Trip;
-use breakaway_rig::relay;
+use breakaway_firmware::storage::Loaded;
+use breakaway_rig::{Motion, code, relay};
 
 use crate::bench::{Bench, World, settings};
+use crate::track::{adaptive, model, pid, track};
 
 /// A relay experiment in full swing.
 fn running() -> Bench {
@@ -50,6 +57,45 @@ fn a_frozen_encoder() {
     assert_eq!((record.value, record.limit), (200, 200));
 }
 
+/// One channel of the encoder dead: the live one makes the count toggle by 1, which is no motion.
+#[test]
+fn a_dead_channel_of_the_encoder() {
+    let mut bench = running();
+    let record = after(&mut bench, 200 + 362, FaultCause::EncoderFrozen, |world| {
+        world.dead_channel = Some((world.plant.state.x / 1e-3) as i32);
+    });
+    assert_eq!((record.value, record.limit), (200, 200));
+    // Dead from the start, under a controller: from the error on at which the drive is frozen_drive_code, a quarter of a turn
+    // of the sine at the most.
+    let mut bench = Bench::new();
+    bench.world.0.borrow_mut().dead_channel = Some(0);
+    assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+    let sine = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+    assert_eq!(bench.command(track(sine, pid(), false)), Reply::Done);
+    assert_eq!(bench.until_ended(500 + 200).ending, Ending::Fault(FaultCause::EncoderFrozen));
+    assert!(!bench.world.0.borrow().enabled);
+}
+
+/// A frozen encoder under a drive that changes its sign in less than `frozen_ticks`: the drive of a sine of 5 Hz is at
+/// frozen_drive_code for two thirds of its 200 ticks, never for 200 in a row.
+#[test]
+fn a_frozen_encoder_under_an_alternating_drive() {
+    let mut bench = Bench::new();
+    bench.world.0.borrow_mut().frozen = Some(0);
+    let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
+    let phase_step = 21_474_836; // 5 Hz at 1 kHz
+    let sine = OpenLoop { shape: Shape::Sine, amplitude_code: code(2.5), phase_step, centring_q16: 0, bounds };
+    assert_eq!(bench.command(Command::StartDrive(sine)), Reply::Done);
+    let ended = bench.until_ended(4100);
+    assert_eq!(ended.ending, Ending::Fault(FaultCause::EncoderFrozen));
+    // 67 ticks of each half period, up to 5/6 of it: the 200th is in the third.
+    assert!((281..=285).contains(&ended.ticks), "{ended:?}");
+    // The same drive on an encoder that works: 2.5 V at 5 Hz moves the axis by 2·2.5/(b·ω²) = 0.19 rad, and friction brakes it.
+    let mut bench = Bench::new();
+    assert_eq!(bench.command(Command::StartDrive(sine)), Reply::Done);
+    assert_eq!(bench.until_ended(4100).ending, Ending::TimeUp);
+}
+
 #[test]
 fn an_encoder_that_jumps_or_dies() {
     let record = after(&mut running(), 1, FaultCause::EncoderJump, |world| world.jump = 5000);
@@ -80,6 +126,106 @@ fn a_reversed_encoder_closes_no_loop() {
     assert_eq!(bench.until_ended(1600).ending, Ending::TimeUp);
 }
 
+/// Noise of a count makes the drive change its sign before the axis has moved; the guard watches all the same.
+#[test]
+fn a_reversed_encoder_with_noise_closes_no_loop() {
+    let limit = 64;
+    for noise_counts in [1, 2] {
+        let mut worst = [0_i32; 3];
+        for seed in 0..20_u32 {
+            let world = |bench: &Bench| {
+                let mut world = bench.world.0.borrow_mut();
+                (world.reversed, world.noise_counts, world.noise) =
+                    (true, noise_counts, seed.wrapping_mul(0x9e37_79b9));
+            };
+            let relays = Command::StartRelay(relay(2.0, 1.5, 4000));
+            let sine = Trajectory::Sine { amplitude: 1.0, period_s: 2.0 };
+            let runs = [relays, track(sine, pid(), false), track(sine, adaptive(), false)];
+            for (command, worst) in runs.into_iter().zip(&mut worst) {
+                let mut bench = Bench::new();
+                world(&bench);
+                assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+                assert_eq!(bench.command(command), Reply::Done);
+                let ended = bench.until_ended(5000);
+                assert_eq!(ended.ending, Ending::Fault(FaultCause::WrongDirection), "{noise_counts} {seed} {ended:?}");
+                assert_eq!(bench.fault().unwrap().limit, limit);
+                *worst = (*worst).max(bench.world.0.borrow().plant.counts().abs());
+            }
+        }
+        println!("noise {noise_counts}: worst travel in counts, relay, PID, adaptive: {worst:?}");
+        // Where the drive goes off: twice what is asked of the guard.
+        assert!(worst.iter().all(|counts| *counts < 2 * limit), "{worst:?}");
+    }
+}
+
+/// What stores energy, comes late, is loaded or swings along moves against its drive for a while; none of it is a reversed
+/// encoder. At rest before each run; then a second run that starts while the axis coasts.
+#[test]
+fn machines_that_are_right_are_not_taken_for_reversed() {
+    let machines: &[(Kind, &[f64])] = &[
+        (Kind::Delay, &[0.005]),
+        (Kind::ElectricalLag, &[0.004]),
+        (Kind::ConstantLoad, &[0.45]),
+        (Kind::ConstantLoad, &[-0.45]),
+        (Kind::GravityLoad, &[0.45, 0.0]),
+        (Kind::GravityLoad, &[2.0, 0.0]),
+        (Kind::Spring, &[2.0, 0.0]),
+        (Kind::Spring, &[0.5, 0.0]),
+        (Kind::Cogging, &[0.45, 7.0, 0.5]),
+        (Kind::Backlash, &[0.05, 0.6, 0.3]),
+        (Kind::FlexibleCoupling, &[0.6, 60.0, 0.02]),
+        (Kind::Stribeck, &[0.3, 0.5]),
+        (Kind::LoadFriction, &[0.2]),
+        (Kind::TimePeriodic, &[0.3, 20.0, 0.0]),
+    ];
+    let sine = |hz: f64| {
+        let phase_step = (hz / 1000.0 * 4_294_967_296.0) as u32;
+        let bounds = Bounds { max_ticks: 3000, ..Bounds::default() };
+        Command::StartDrive(OpenLoop {
+            shape: Shape::Sine,
+            amplitude_code: code(2.5),
+            phase_step,
+            centring_q16: 0,
+            bounds,
+        })
+    };
+    let reference = Trajectory::Sine { amplitude: 1.0, period_s: 1.0 };
+    for (kind, parameters) in machines {
+        for noise_counts in [0, 2] {
+            let runs = [
+                Command::StartRelay(relay(2.0, 1.5, 3000)),
+                sine(0.5),
+                sine(3.0),
+                sine(17.0),
+                track(reference, pid(), false),
+                track(reference, adaptive(), true),
+            ];
+            for (first, then) in runs.iter().zip(runs.iter().cycle().skip(1)) {
+                let mut bench = Bench::new();
+                {
+                    let mut world = bench.world.0.borrow_mut();
+                    world.noise_counts = noise_counts;
+                    let axis = &mut world.plant;
+                    axis.effects = vec![Effect::new(*kind, parameters)];
+                    axis.state = Plant { base: axis.base, effects: &axis.effects }.at_rest(0.0);
+                }
+                assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+                for command in [first, then] {
+                    bench.events.clear();
+                    assert_eq!(bench.command(command.clone()), Reply::Done);
+                    let ended = bench.until_ended(4100);
+                    // A spring holds the axis for the 200 ticks of the settings, which is a frozen encoder to the board.
+                    let wrong = Ending::Fault(FaultCause::WrongDirection);
+                    assert!(ended.ending != wrong, "{kind:?} {noise_counts} {command:?}: {ended:?}");
+                    if bench.fault().is_some() {
+                        assert_eq!(bench.command(Command::ClearFault), Reply::Done);
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_silent_host() {
     let mut bench = running();
@@ -100,6 +246,57 @@ fn late_ticks() {
     assert!(bench.status().overruns >= 20);
 }
 
+/// What goes wrong in the world of the bench.
+type Fault = fn(&mut World);
+
+/// With the setting `brake` every end of a run holds the motor, but a trip of the power stage, which lets it coast.
+#[test]
+fn a_run_ends_braked_where_the_settings_say_so() {
+    for brake in [false, true] {
+        let trips: [(Fault, FaultCause, bool); 4] = [
+            (|world| world.jump = 5000, FaultCause::EncoderJump, brake),
+            (|world| world.trip = Some(Trip::Break(1)), FaultCause::BreakInput, false),
+            (|world| world.trip = Some(Trip::EmergencyStop), FaultCause::EmergencyStop, false),
+            (|world| world.broken_drive = true, FaultCause::DriveStage, false),
+        ];
+        for (fault, cause, braking) in trips {
+            let mut bench = Bench::with_memory([0; 8], Settings { brake, ..settings() });
+            assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+            assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 0))), Reply::Done);
+            bench.steps(300);
+            assert!(!bench.world.0.borrow().braking);
+            after(&mut bench, 1, cause, fault);
+            assert_eq!(bench.world.0.borrow().braking, braking, "{cause:?}");
+        }
+        let mut bench = Bench::with_memory([0; 8], Settings { brake, ..settings() });
+        for end in [0, 100] {
+            assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, end))), Reply::Done);
+            bench.steps(120);
+            assert_eq!(bench.command(Command::Stop), Reply::Done);
+            assert_eq!((bench.world.0.borrow().braking, bench.world.0.borrow().drive), (brake, 0));
+        }
+    }
+}
+
+/// A debugger halts the core for 50 ms in mid-run, and lets it go on: the drive is off before the first tick after it drives.
+#[test]
+fn a_halt_of_the_core_is_not_driven_on() {
+    let mut bench = running();
+    let before = bench.world.0.borrow().drive;
+    bench.world.0.borrow_mut().now_us += 50_000;
+    bench.step();
+    assert!(before != 0 && bench.world.0.borrow().drive == 0 && !bench.world.0.borrow().enabled);
+    let record = bench.fault().unwrap();
+    // 51 periods where there should be one; three late ticks in a row are the settings' limit.
+    assert_eq!((record.cause, record.value, record.limit), (FaultCause::TickOverrun, 50, 3));
+    // While idle it is no fault.
+    let mut bench = Bench::new();
+    bench.steps(10);
+    bench.world.0.borrow_mut().now_us += 50_000;
+    bench.steps(10);
+    assert_eq!(bench.fault(), None);
+}
+
 #[test]
 fn trips_and_a_broken_power_stage() {
     let mut bench = running();
@@ -110,6 +307,9 @@ fn trips_and_a_broken_power_stage() {
     assert_eq!(bench.command(Command::ClearFault), Reply::Done);
     assert_eq!((bench.fault(), bench.status().mode), (None, Mode::Idle));
     after(&mut running(), 1, FaultCause::BreakInput, |world| world.trip = Some(Trip::Break(2)));
+    let mut bench = running();
+    after(&mut bench, 1, FaultCause::EmergencyStop, |world| world.trip = Some(Trip::EmergencyStop));
+    assert_eq!(bench.command(Command::ClearFault), Reply::Error(CommandError::FaultPersists));
     after(&mut running(), 1, FaultCause::DriveStage, |world| world.broken_drive = true);
 }
 
@@ -139,6 +339,54 @@ fn a_reset_during_a_run_is_a_fault() {
     let mut again = Bench::with_memory(retained, settings());
     assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::ResetWhileDriven));
     assert!(!again.world.0.borrow().enabled);
+}
+
+/// What the board says after the reset of a watchdog, and of a program that has panicked.
+#[test]
+fn a_watchdog_and_a_panic_are_told_after_the_reset() {
+    let world = World { watchdog_reset: true, retained: running().world.0.borrow().retained, ..World::default() };
+    let mut again = Bench::on(world, Loaded::defaults(settings()));
+    assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::Watchdog));
+    assert!(!again.world.0.borrow().enabled);
+    let running = running();
+    remember_panic(&mut running.world.clone());
+    let retained = running.world.0.borrow().retained;
+    let mut again = Bench::with_memory(retained, settings());
+    assert_eq!(again.fault().map(|record| record.cause), Some(FaultCause::Panic));
+    assert!(!again.world.0.borrow().enabled);
+}
+
+/// A controller that is no longer finite says so by `None`, from its third tick on here.
+struct Lost(u32);
+
+impl Controller for Lost {
+    type Plan = ();
+    fn start(&mut self, (): &(), _: i32) {}
+    fn tick(&mut self, _: i32) -> Option<(i32, i32)> {
+        self.0 += 1;
+        (self.0 < 3).then_some((5000, 0))
+    }
+    fn finished(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn a_controller_that_is_not_finite() {
+    let world = Bench::new().world;
+    let mut channels = Channels::new();
+    let (tick_end, mut app_end) = channels.split();
+    let guards = Guards::new(&settings(), 1000);
+    let mut tick = Tick::new(world.clone(), Lost(0), tick_end, TickSettings::at_rate(1000), guards);
+    app_end.runs.enqueue((RunOrder::Track(()), Bounds::default())).unwrap();
+    let mut driven = Vec::new();
+    for _ in 0..5 {
+        tick.tick();
+        driven.push(world.0.borrow().drive);
+        world.0.borrow_mut().advance();
+    }
+    assert_eq!(driven, [5000, 5000, 0, 0, 0]);
+    assert_eq!((tick.mode(), world.0.borrow().enabled), (Mode::Fault, false));
 }
 
 /// What a cut leaves of a frame at the host, bytes without their end, does not swallow the reply after it.

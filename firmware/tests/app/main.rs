@@ -3,6 +3,8 @@
 mod bench;
 mod drift;
 mod faults;
+mod faults_page;
 mod identification;
 mod runs;
 mod track;
+mod zero;

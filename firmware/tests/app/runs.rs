@@ -1,7 +1,9 @@
 //! Commands and runs.
 
 use breakaway_core::excite::waveform::Shape;
-use breakaway_core::link::{Bounds, Command, CommandError, Ending, Field, Limit, Mode, OpenLoop, Reply, Settings};
+use breakaway_core::link::{
+    Bounds, Command, CommandError, Ending, FULL_SCALE_CODE, Field, Limit, Mode, OpenLoop, Reply, Settings,
+};
 use breakaway_rig::{code, relay};
 use proptest::prelude::*;
 
@@ -73,6 +75,35 @@ fn limits_are_not_faults() {
         let at_end = bench.samples.iter().find(|sample| sample.tick == ended.tick).unwrap();
         assert_eq!((at_end.drive_code, at_end.mode), (0, Mode::Idle));
     }
+}
+
+/// A motor that is blocked under a drive too small for the encoder's guard (frozen_drive_code, 25 %), by the default settings: the
+/// mean over about a second passes 12.5 %.
+#[test]
+fn the_default_mean_drive_protects_a_stalled_motor() {
+    let settings = Settings { position_per_count: settings().position_per_count, ..Settings::default() };
+    let mut bench = Bench::with_memory([0; 8], settings);
+    bench.world.0.borrow_mut().plant.base.f1 = 100.0;
+    let blocked = OpenLoop {
+        shape: Shape::Sine,
+        amplitude_code: FULL_SCALE_CODE / 100 * 24,
+        phase_step: (1 << 31) / 2000, // 0.25 Hz at 1 kHz
+        centring_q16: 0,
+        bounds: Bounds { max_ticks: 20_000, ..Bounds::default() },
+    };
+    assert_eq!(bench.command(Command::StartDrive(blocked)), Reply::Done);
+    let ended = bench.until_ended(21_000);
+    assert!(matches!(ended.ending, Ending::Limit { limit: Limit::MeanDrive, value: 4095..=4110 }), "{ended:?}");
+    assert!(ended.ticks < 1500, "{ended:?}");
+}
+
+#[test]
+fn a_current_limit_that_nothing_measures_is_refused() {
+    let mut bench = Bench::new();
+    let limited = Settings { current_max_ma: 2000, ..settings() };
+    let refused = Reply::Error(CommandError::Settings(Field::CurrentMax));
+    assert_eq!(bench.command(Command::SetSettings(limited)), refused);
+    assert_eq!(bench.command(Command::GetSettings), Reply::Settings(settings()));
 }
 
 #[test]

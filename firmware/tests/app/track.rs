@@ -3,12 +3,13 @@
 use breakaway_core::control::{Compensator, Profile, Sine, lead_s, tune};
 use breakaway_core::link::{
     Adaptive, Bounds, Command, CommandError, Controller, Ending, FULL_SCALE_CODE, FaultCause, Field, Mode, Model, Pid,
-    Reply, Sample, Track, Trajectory, WireEffect,
+    Reply, Sample, Settings, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
+use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{FULL_SCALE, STEP};
 
-use crate::bench::{Bench, PLANT};
+use crate::bench::{Bench, PLANT, World, settings};
 
 pub fn model() -> Model {
     let (b, c, f1) = (PLANT.b as f32, PLANT.c as f32, PLANT.f1 as f32);
@@ -22,7 +23,7 @@ pub fn pid() -> Controller {
     Controller::Pid(Pid { kp: (kd * gains.lambda2) as f32, ki: (kd * gains.lambda1) as f32, kd: kd as f32 })
 }
 
-fn adaptive() -> Controller {
+pub fn adaptive() -> Controller {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     Controller::Adaptive(Adaptive {
         kv: gains.kv as f32,
@@ -33,7 +34,7 @@ fn adaptive() -> Controller {
     })
 }
 
-fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
+pub fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
     let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
     Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
 }
@@ -143,6 +144,12 @@ fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
+    // Half of what a count of 1 mrad makes in a filter of 2 ticks of 1 ms is 0.167 rad/s.
+    let Controller::Adaptive(law) = adaptive() else { panic!() };
+    let with = |delta| track(SINE, Controller::Adaptive(Adaptive { delta, ..law }), false);
+    assert_eq!(bench.command(with(0.16)), refused(Field::Delta));
+    assert_eq!(bench.command(with(0.167)), Reply::Done);
+    assert_eq!(bench.command(Command::Stop), Reply::Done);
     assert_eq!(bench.status().mode, Mode::Idle);
 }
 
@@ -189,4 +196,38 @@ fn no_controller_runs_on_a_reversed_encoder() {
         let record = bench.fault().unwrap();
         assert!(record.value < 0 && record.value > -400, "{record:?}");
     }
+}
+
+/// A step that the drive cannot follow, where the run's bound is a fifth of what the settings allow: the integral waits for the limit
+/// in force, and overshoots by as much as where the settings say so. (By 58 counts of 1000 where it waited for the settings' alone.)
+#[test]
+fn the_integral_waits_for_the_limit_in_force() {
+    let overshoot = |settings_code: i16, bound: i16| {
+        let mut bench = Bench::with_memory([0; 8], Settings { drive_max_code: settings_code, ..settings() });
+        assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
+        assert_eq!(bench.command(Command::StreamOn { decimation: 1 }), Reply::Done);
+        let bounds = Bounds { max_ticks: 3000, drive_max_code: bound, ..Bounds::default() };
+        let trajectory = Trajectory::Step { distance: 1.0 };
+        let step = Track { trajectory, controller: pid(), feed_forward: false, compensation: false, bounds };
+        assert_eq!(bench.command(Command::StartTrack(step)), Reply::Done);
+        assert_eq!(bench.until_ended(3100).ending, Ending::TimeUp);
+        bench.samples.iter().map(|sample| sample.count).max().unwrap() - 1000
+    };
+    let fifth = FULL_SCALE_CODE / 5;
+    let (known, bound) = (overshoot(fifth, 0), overshoot(FULL_SCALE_CODE, fifth));
+    println!("overshoot in counts: limit of the settings {known}, of the run {bound}");
+    assert_eq!(bound, known);
+    assert!((10..25).contains(&known), "{known}");
+}
+
+/// What the power stage cannot give is no setting: controllers and hosts could not tell that it saturates.
+#[test]
+fn a_limit_above_the_power_stage_s_is_refused() {
+    let stage = FULL_SCALE_CODE / 100 * 95;
+    let start = Settings { drive_max_code: stage, ..settings() };
+    let world = World { stage_limit: Some(stage), ..World::default() };
+    let mut bench = Bench::on(world, Loaded::defaults(start));
+    let above = Settings { drive_max_code: stage + 1, ..start };
+    assert_eq!(bench.command(Command::SetSettings(above)), Reply::Error(CommandError::Settings(Field::DriveMax)));
+    assert_eq!(bench.command(Command::SetSettings(start)), Reply::Done);
 }

@@ -1,12 +1,14 @@
 //! `breakaway device`.
 
 mod board;
+mod motion;
 
 use std::path::PathBuf;
 
 use breakaway_core::link::{Command, Settings};
 
 use board::Board;
+use motion::{HomeArgs, JogArgs, ZeroArgs};
 
 use super::UsageError;
 use super::output::Output;
@@ -22,9 +24,11 @@ use crate::model::Model;
   breakaway device --port /dev/ttyACM0 info
   breakaway device --port /dev/ttyACM0 settings set drive_full_scale=12 travel_max_counts=20000 --save
   breakaway device --port /dev/ttyACM0 model load model.toml
+  breakaway device --port /dev/ttyACM0 home --drive=-1.2 --at=-0.5
   breakaway device --port /dev/ttyACM0 fault
 
-What is set or loaded holds until the next reset; `save` keeps it across resets.")]
+What is set or loaded holds until the next reset; `save` keeps it across resets. Where the axis stands is not kept: a board
+with travel limits of its own in flash runs nothing but `home` and `jog` before it is homed or zeroed.")]
 pub struct Args {
     /// The board.
     #[command(flatten)]
@@ -61,6 +65,12 @@ pub enum Action {
     Identify,
     /// Keep settings and model across resets
     Save,
+    /// Say what the position is where the axis stands; its travel limits count from there
+    Zero(ZeroArgs),
+    /// Push it gently against a stop, and say what the position is there
+    Home(HomeArgs),
+    /// Push it gently for a moment, out of the travel limits too where these are not zeroed
+    Jog(JogArgs),
     /// Stop what is running; the drive goes to 0
     Stop,
     /// Reset it
@@ -151,6 +161,9 @@ impl Args {
             }
             Action::Model { action: ModelAction::Get { output } } => board.model_get(output.as_ref()),
             Action::Identify => board.identify(),
+            Action::Zero(args) => board.zero(args),
+            Action::Home(args) => board.home(args),
+            Action::Jog(args) => board.jog(args),
             Action::Stop => board.done(Command::Stop, "stopped"),
             Action::Reboot => board.done(Command::Reboot, "resetting"),
         }

@@ -11,9 +11,10 @@ use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
 use crate::file::{FileKind, Target, shown};
-use crate::identify::estimate::{self, Estimate, Identified, Value};
+use crate::identify::estimate::{self, Comparison, Estimate, Identified, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
+use crate::report::choice;
 use crate::report::json::Quantity;
 
 /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
@@ -22,7 +23,9 @@ use crate::report::json::Quantity;
   breakaway identify run.csv --time t_s --input u_V --position x_m -o model.toml
 
 JSON: b, c, f1, load (value, se, unit; load null where it is not significant), undetermined (parameter, advice),
-noise (of the position), estimator, estimates (of every estimator), white, residual_correlation, remarks.")]
+noise (of the position), estimator, why, held_out (blocks, error_ratio, t; null where none was held out), estimates (of every
+estimator), gravity (travel_rad, blocks, error_ratio, t, helps; null where it was not tried), white, simulation_error,
+residual_correlation, remarks.")]
 pub struct Args {
     /// Recordings of one session
     #[arg(value_name = "REC", required = true)]
@@ -50,6 +53,23 @@ struct Missing {
     advice: String,
 }
 
+/// Two models' prediction of held-out blocks.
+#[derive(Debug, Serialize)]
+struct HeldOut {
+    blocks: usize,
+    /// Error of what is not reported, or of the base, over the error of what is, or of the base with gravity.
+    error_ratio: f64,
+    t: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Gravity {
+    travel_rad: f64,
+    #[serde(flatten)]
+    held_out: HeldOut,
+    helps: bool,
+}
+
 /// The JSON document.
 #[derive(Debug, Serialize)]
 struct Document {
@@ -60,7 +80,10 @@ struct Document {
     undetermined: Vec<Missing>,
     noise: f64,
     estimator: &'static str,
+    why: String,
+    held_out: Option<HeldOut>,
     estimates: Vec<Row>,
+    gravity: Option<Gravity>,
     white: bool,
     simulation_error: f64,
     residual_correlation: f64,
@@ -80,6 +103,12 @@ impl Row {
     }
 }
 
+impl HeldOut {
+    fn new(comparison: &Comparison) -> Self {
+        Self { blocks: comparison.blocks, error_ratio: comparison.ratio(), t: comparison.t() }
+    }
+}
+
 impl Document {
     fn new(result: &Identified, units: &Units) -> Self {
         let best = Row::new(&result.best, units);
@@ -95,11 +124,18 @@ impl Document {
                 .collect(),
             noise: result.noise,
             estimator: best.estimator,
+            why: choice::choice(&result.choice),
+            held_out: result.choice.comparison().map(HeldOut::new),
             estimates: result.estimates.iter().map(|estimate| Row::new(estimate, units)).collect(),
+            gravity: result.gravity.as_ref().map(|trial| Gravity {
+                travel_rad: trial.travel_rad,
+                held_out: HeldOut::new(&trial.comparison),
+                helps: trial.helps(),
+            }),
             white: result.white,
             simulation_error: result.simulation_error,
             residual_correlation: result.residual_correlation,
-            remarks: result.remarks.clone(),
+            remarks: result.remarks.iter().cloned().chain(result.gravity.iter().map(choice::gravity)).collect(),
         }
     }
 }
@@ -168,7 +204,8 @@ fn table(document: &Document) -> String {
         Some(load) => row("load", load),
         None => text.push_str("load  none that is significant\n"),
     }
-    let _ = writeln!(text, "\nby estimator (reported: {}):", document.estimator);
+    let _ = writeln!(text, "\nreported: {}", document.why);
+    text.push_str("\nby estimator:\n");
     for estimate in &document.estimates {
         let load = estimate.load.as_ref().map_or_else(String::new, |load| format!("  load {:.4e}", load.value));
         let _ = writeln!(

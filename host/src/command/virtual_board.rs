@@ -24,7 +24,7 @@ settings start as the options say: encoder step, drive at full scale, units of t
 on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
-break=NUMBER, supply=MV, reset, garbage=BYTES, host-gone, link-noise=PPM (bytes of a million, either way),
+break=NUMBER, emergency-stop, supply=MV, reset, garbage=BYTES, host-gone, link-noise=PPM (bytes of a million, either way),
 corrupt-flash (TICK 0, with --flash), healed. TICK counts from the start.
 
 JSON: port, board, tick_hz; printed when the board is ready.")]

@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{
     Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, largest_bandwidth_hz, lead_s,
-    margins, tune,
+    least_delta, margins, tune,
 };
 use breakaway_core::plant::{Base, Effect};
 
@@ -50,7 +50,7 @@ pub fn usual_motion(base: &Base<f64>) -> (f64, f64) {
 /// δ of the adaptive law, X/s: half of what one count makes of a difference filtered over `filter_s` s, which is 1.6
 /// standard deviations of white rounding at the usual filter. Above that friction is learnt, below it noise would be.
 pub fn usual_delta(encoder_step: f64, filter_s: f64, tick_s: f64) -> f64 {
-    0.5 * encoder_step / (filter_s + tick_s)
+    least_delta(encoder_step, filter_s, tick_s)
 }
 
 /// A controller, all of it: what `breakaway tune` writes.

@@ -80,7 +80,7 @@ mod tests {
         let settings = Settings::default();
         let mut copy = settings;
         let list = list(&settings);
-        assert_eq!(list.len(), 18);
+        assert_eq!(list.len(), 19);
         assert_eq!((list[0].0.as_str(), &list[0].1), ("drive_max_code", &Value::from(16_383)));
         for (name, value) in &list {
             let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);

@@ -27,6 +27,9 @@ pub const fn command_name(command: &Command) -> &'static str {
         Command::GetFault => "fault",
         Command::ClearFault => "clear",
         Command::Reboot => "reboot",
+        Command::Zero { .. } => "zero",
+        Command::Jog(_) => "jog",
+        Command::Home { .. } => "home",
     }
 }
 
@@ -47,6 +50,11 @@ pub fn refusal(error: &CommandError) -> String {
         }
         CommandError::OutsideTravel => {
             "the axis stands outside the travel limits: move it back, or change travel_min_counts and travel_max_counts"
+                .into()
+        }
+        CommandError::NotZeroed => {
+            "its saved travel limits count from a zero that is not known since its reset: `breakaway device … home` finds a \
+             stop, `zero` says where it stands"
                 .into()
         }
         other => other.to_string(),
@@ -71,6 +79,7 @@ pub const fn cause_name(cause: FaultCause) -> &'static str {
         FaultCause::WrongDirection => "wrong_direction",
         FaultCause::ResetWhileDriven => "reset_while_driven",
         FaultCause::NotFinite => "not_finite",
+        FaultCause::EmergencyStop => "emergency_stop",
     }
 }
 
@@ -85,12 +94,18 @@ pub fn fault(record: &FaultRecord) -> String {
         FaultCause::EncoderJump => {
             format!("the encoder jumped by {value} counts in one tick (limit {limit}): check its cable and shield")
         }
-        FaultCause::EncoderError => "the encoder did not answer: check its supply and cable".into(),
+        FaultCause::EncoderError => {
+            "the encoder did not answer or lost its count: check its supply, cable and shield".into()
+        }
         FaultCause::TickOverrun => format!("{value} control ticks in a row were late (limit {limit})"),
         FaultCause::LinkLost => {
             format!("no command for {value} ms while moving (limit {limit}): the host or the cable was lost")
         }
-        FaultCause::BreakInput => "the power stage reported over-current or over-temperature".into(),
+        FaultCause::BreakInput => format!(
+            "a protection switched the power stage off (the board's number {value}): over-current, over-temperature, or the \
+             controller's own supply or clock"
+        ),
+        FaultCause::EmergencyStop => "the emergency stop is open: close it, then clear the fault".into(),
         FaultCause::Supply => format!("the supply was at {value} mV (limit {limit} mV)"),
         FaultCause::DriveStage => "the power stage could not be set".into(),
         FaultCause::Watchdog => "the watchdog reset the board: the control tick had stopped".into(),
@@ -158,6 +173,7 @@ pub fn ending(ending: Ending, scale: &Scale, settings: &Settings) -> String {
             }
         }
         Ending::Stopped => "stopped".into(),
+        Ending::Homed => "homed".into(),
         Ending::Fault(cause) => format!("fault {}", cause_name(cause)),
     }
 }

@@ -195,6 +195,9 @@ pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discov
     small
 }
 
+/// Of what the judge named, and the simulated motion replaced.
+const REPLACED: &str = "named by the measured forces; the simulated motion bears out another in its place";
+
 /// The judge's first round as lines of the table, of a discovery that named `named`.
 pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> {
     let fate = |kind: Kind| {
@@ -209,7 +212,9 @@ pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> 
     };
     let rows = ruling.candidates.iter().map(|own| {
         let row = row(own, ruling);
-        CandidateRow { fate: fate(own.kind).unwrap_or_else(|| row.fate.clone()), ..row }
+        let judged = ruling.findings.iter().any(|finding| finding.effect.kind == own.kind);
+        let other = || if judged { REPLACED.to_owned() } else { row.fate.clone() };
+        CandidateRow { fate: fate(own.kind).unwrap_or_else(other), ..row }
     });
     rows.collect()
 }

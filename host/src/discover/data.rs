@@ -3,8 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use crate::fit::track::{self, Track, median};
-use crate::fit::{self, Problem, Segment};
+use crate::fit::{self, Problem, Segment, Track, median, session};
 use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
@@ -40,6 +39,8 @@ pub struct Data {
     pub sigma: f64,
     /// Segments there were before sampling.
     pub available: usize,
+    /// Delays up to which the sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    pub unsure_s: f64,
     /// Mean square below which differences between models do not count; 0 for the noise's.
     pub softening: f64,
     /// Simulated samples so far, of all that was done with these data.
@@ -49,7 +50,7 @@ pub struct Data {
 impl Data {
     /// Prepares recordings in segments of `segment_s`. Without `holdout` the last third of every recording is held out.
     pub fn new(recordings: &[Recording], holdout: &[Recording], segment_s: f64) -> Self {
-        let tracks = track::session(recordings.iter().chain(holdout));
+        let tracks = session(recordings.iter().chain(holdout));
         let segments = fit::segments(&tracks, segment_s);
         let open = fit::segments(&tracks, OPEN_LOOP_S);
         let held_out = |segment: &Segment| {
@@ -79,6 +80,7 @@ impl Data {
             segment_s,
             sigma,
             available,
+            unsure_s: recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max),
             softening: 0.0,
             work: Arc::default(),
         }

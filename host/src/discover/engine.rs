@@ -4,22 +4,23 @@
 use std::time::Instant;
 
 use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
-use breakaway_core::plant::{Base, Effect};
+use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::by_force;
 use super::corroboration;
 use super::data::Data;
 use super::gap::open_loop_squares;
 use super::judge;
+use super::judge::library::weighs;
 use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, Overlay, Provenance};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
+use super::unweighed;
 use super::where_map;
-use crate::fit::track::Track;
-use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
+use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
 use crate::identify::estimate::{self, IdentifyError};
 use crate::recording::{Recording, Units};
 
@@ -109,21 +110,21 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let ruling = judge::ruling::rule(&judged, radians(&units), &judge::settings::Settings::default());
     let ruling = ruling.map(|ruling| ruling.beside(known));
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
-    let mut found = match by_force {
-        Some(Ok(by_force)) if ruling.as_ref().is_some_and(|ruling| is_rough(ruling, &by_force)) => by_force,
-        Some(Ok(by_force)) => match small_effects::found(request, &units, ruling.as_ref(), progress) {
-            Ok(small) if corroboration::believed(request, ruling.as_ref(), &small, &by_force) => {
-                by_force::with_ties(small, ruling.as_ref())
-            }
-            _ => by_force,
-        },
-        Some(Err(_)) | None => {
-            let small = small_effects::found(request, &units, ruling.as_ref(), progress)?;
-            if corroboration::stands_alone(request, ruling.as_ref(), &small) {
-                small
-            } else {
-                small.without_names(known.len())
-            }
+    let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
+        let kinds = left_to_the_motion(ruling, &by_force);
+        let small = (!kinds.is_empty())
+            .then(|| small_effects::found(request, &units, Some(ruling), &kinds, progress).ok())
+            .flatten();
+        match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
+            Some(small) => by_force::with_ties(small, Some(ruling)),
+            None => unweighed::compared(request, &units, ruling, by_force, progress),
+        }
+    } else {
+        let small = small_effects::found(request, &units, ruling.as_ref(), Kind::ALL, progress)?;
+        if corroboration::stands_alone(request, ruling.as_ref(), &small) {
+            small
+        } else {
+            small.without_names(known.len())
         }
     };
     found.force = ruling.as_ref().map(by_force::force);
@@ -131,18 +132,22 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     Ok(found)
 }
 
-/// Whether the simulated motion can tell no more than the measured forces: the machine is shaken by more than its sensor's noise, or
-/// what was found repeats over position, where a simulated rotor is soon off by a tooth.
-fn is_rough(ruling: &Ruling, found: &Discovery) -> bool {
+/// The effects that the simulated motion is asked for. It can tell nothing where the machine moves by far more than its sensor's noise,
+/// or where what was found repeats over position and a simulated rotor is soon off by a tooth. Where random torque explains what is
+/// left, the measured forces have weighed all but the effects that act in less than a window.
+fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
+    let ripples =
+        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
+    if ripples || found.over_noise() > ROUGH {
+        return Vec::new();
+    }
     let [simulated, left, z] = SHAKEN;
     let remainder = &ruling.remainder;
     let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
         && remainder.over_noise > left
         && remainder.predictable.is_none()
         && remainder.significance < z;
-    let ripples =
-        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
-    shaken || ripples || found.over_noise() > ROUGH
+    Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
 }
 
 /// Radians in a position unit; `None` where the position is no angle.
@@ -277,7 +282,7 @@ fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Re
 /// The models to start from, and what identifying them from the recordings had to say: the given one; else by the estimators on the
 /// motion, and by the measured forces.
 fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Candidate>, Vec<String>), DiscoverError> {
-    let identified = estimate::identify(&request.recordings);
+    let identified = estimate::starting_model(&request.recordings);
     let by_force = ruling.map(|ruling| ruling.base).filter(|base| base.b > 0.0);
     let own = identified.as_ref().ok().map(|identified| {
         let best = &identified.best;

@@ -16,4 +16,5 @@ mod search;
 mod small_effects;
 mod spectrum;
 mod thinned;
+mod unweighed;
 pub mod where_map;

@@ -4,8 +4,7 @@ use breakaway_core::plant::Kind;
 
 use super::data::FIT_SEGMENT_S;
 use super::outcome::NextExperiment;
-use crate::fit::track;
-use crate::fit::{self, Candidate, Problem};
+use crate::fit::{self, Candidate, Problem, session};
 use crate::recording::Units;
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
@@ -84,7 +83,7 @@ fn family(model: &Candidate, limits: &Limits) -> Vec<Experiment> {
 /// Root mean square difference over segments that model `b` starts from model `a`'s motion.
 fn difference(a: &Candidate, b: &Candidate, experiment: &Experiment, units: &Units) -> Option<f64> {
     let run = Axis::new(a.base, &a.effects, units.clone()).run(experiment).ok()?;
-    let tracks = track::session(std::slice::from_ref(&run.recording));
+    let tracks = session(std::slice::from_ref(&run.recording));
     let segments = fit::segments(&tracks, FIT_SEGMENT_S);
     let problem = Problem {
         tracks: &tracks,

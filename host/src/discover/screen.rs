@@ -10,8 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::{Data, WARM_UP_S};
 use super::spectrum;
-use crate::fit::track::{Track, median};
-use crate::fit::{Candidate, Segment};
+use crate::fit::{Candidate, Segment, Track, median};
 use crate::identify::weak::{self, Window};
 
 /// Half-widths of the windows in which periodic effects are looked for as well, s.

@@ -4,6 +4,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+use breakaway_core::plant::Kind;
+
 use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
@@ -14,7 +16,7 @@ use super::search::Search;
 use super::thinned::thinned;
 use crate::recording::{Recording, Units};
 
-/// What the simulation says.
+/// What the simulation says of `kinds`.
 ///
 /// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
 ///
@@ -24,16 +26,18 @@ pub(super) fn found(
     request: &Request,
     units: &Units,
     ruling: Option<&Ruling>,
+    kinds: &[Kind],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
     let request =
         &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
     let work = Arc::default();
-    let mut found = within(request, units, (FIT_SEGMENT_S, &work), ruling, progress)?;
+    let over = |segment_s: f64| within(request, units, (segment_s, &work), (ruling, kinds), progress);
+    let mut found = over(FIT_SEGMENT_S)?;
     if found.verdict == Verdict::Unknown {
         progress("looking again over shorter segments");
-        match within(request, units, (SHORT_SEGMENT_S, &work), ruling, progress) {
+        match over(SHORT_SEGMENT_S) {
             Ok(mut short) if !short.effects.is_empty() => {
                 short.remarks.push(format!(
                     "no model follows the motion over {FIT_SEGMENT_S} s: fitted and scored over segments of \
@@ -54,14 +58,14 @@ fn within(
     request: &Request,
     units: &Units,
     (segment_s, work): (f64, &Arc<AtomicU64>),
-    ruling: Option<&Ruling>,
+    (ruling, kinds): (Option<&Ruling>, &[Kind]),
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
     let mut start =
         prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
     start.data.work = work.clone();
     let judged = ruling.filter(|ruling| !ruling.findings.is_empty()).map(|ruling| judged(&start, ruling));
-    let mut ended = Search::new(&start.data, units, start.base.clone()).run(judged.as_ref(), progress);
+    let mut ended = Search::new(&start.data, units, start.base.clone(), kinds).run(judged.as_ref(), progress);
     if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {
         ended.first_round = by_force::rows(ruling, &ended.named);
     }

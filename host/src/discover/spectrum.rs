@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::effect::Over;
 
-use crate::fit::track::Track;
+use crate::fit::Track;
 use crate::identify::weak::Window;
 
 /// Peaks handed on.

@@ -1,6 +1,6 @@
 //! Recordings with no more rows than a simulation needs.
 
-use crate::fit::track::median;
+use crate::fit::median;
 use crate::recording::Recording;
 
 /// Interval of the rows that are simulated, s: the sub-steps of a simulation are no longer, and a simulated second then takes as long on each machine. Rows

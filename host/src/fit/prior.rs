@@ -1,16 +1,8 @@
 //! What is known beforehand of a second body's start: it is near where the motion before the segment leaves it, unless that motion
 //! is one of impacts.
 
-use super::{Problem, Start};
-use crate::fit::candidate::Candidate;
-
-/// Noise deviations by which a second body's position is expected to differ from what the motion before the segment says
-/// (the standard deviation of a prior: without one, a body free at every start fits whatever else is missing); its
-/// velocity, by a tenth of that per sample, the slope of the smoothing's local cubic.
-const MEMORY_DEVIATIONS: f64 = 10.0;
-
-/// Nats that the start of a body within a gap may cost at the most: one that was lost among impacts may be anywhere.
-const LOST: f64 = 12.0;
+use super::settings::{LOST, MEMORY_DEVIATIONS};
+use super::{Candidate, Problem, Start};
 
 /// How far a second body's start may be from what the motion before says.
 #[derive(Clone, Copy)]

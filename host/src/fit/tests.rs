@@ -1,12 +1,11 @@
 //! Recovery of known parameters, and standard errors against the scatter they predict.
 
-use breakaway_core::plant::{Kind, State};
+use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
 use super::*;
-use crate::fit::track;
 use crate::recording::{Recording, Units};
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
@@ -30,7 +29,7 @@ fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<Track> {
         let load = [Effect::new(Kind::ConstantLoad, &[LOAD])];
         Axis::new(BASE, &load, Units::default()).run(&experiment).unwrap().recording
     };
-    track::session(&[run((2.0, 1.5, 2 * seed)), run((1.5, 0.8, 2 * seed + 1))])
+    session(&[run((2.0, 1.5, 2 * seed)), run((1.5, 0.8, 2 * seed + 1))])
 }
 
 /// From 20 % off. `sigma` is the noise floor.
@@ -167,7 +166,7 @@ fn a_load_lost_among_impacts_is_found() {
         sensor: Sensor { noise: SIGMA, ..Sensor::default() },
     };
     let recording = Axis::new(BASE, &effects, Units::default()).run(&experiment).unwrap().recording;
-    let tracks = track::session(&[recording]);
+    let tracks = session(&[recording]);
     let segments = segments(&tracks, 0.4);
     let problem = Problem {
         tracks: &tracks,
@@ -182,10 +181,10 @@ fn a_load_lost_among_impacts_is_found() {
     let said: Vec<f64> = segments
         .iter()
         .zip(problem.smoothed_initial(&truth))
-        .map(|(segment, start)| problem.plain(&truth, *segment, start).mse.sqrt() / SIGMA)
+        .map(|(segment, start)| problem.residual(&truth, *segment, start).mse.sqrt() / SIGMA)
         .collect();
     let found: Vec<f64> = problem.score(&truth).iter().map(|mse| mse.sqrt() / SIGMA).collect();
-    let [said, found] = [said, found].map(track::median);
+    let [said, found] = [said, found].map(median);
     assert!(said > 40.0 && found < 0.1 * said, "{said} {found}");
 }
 

@@ -9,7 +9,7 @@ use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, d
 use breakaway_core::estimate::modulating::{Block, Modulating, Refusal, estimate};
 
 use super::estimate::{Estimate, Value};
-use crate::fit::track::{Track, median};
+use crate::fit::{Track, median};
 use crate::recording::{Recording, Signal};
 use crate::sine;
 

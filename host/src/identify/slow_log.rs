@@ -4,7 +4,8 @@
 //! controller holds samples of a drive that went on changing: on average that is half an interval late. The other extreme is a
 //! drive that goes straight from row to row. Both are tried, and what they differ by is an error that no residual shows.
 
-use super::estimate::{Estimate, Identified, assuming_held, weakly_determined};
+use super::determined::weakly_determined;
+use super::estimate::{Estimate, Identified, assuming_held};
 use super::weak;
 use crate::recording::Recording;
 
@@ -24,12 +25,13 @@ pub(super) fn is_slow(recordings: &[Recording]) -> bool {
 /// The result with the errors that the unknown drive between rows makes, unless the motion tells that it was held.
 pub(super) fn with_unknown_drive(mut held: Identified, recordings: &[Recording]) -> Identified {
     let straight: Vec<Recording> = recordings.iter().map(straight).collect();
-    let Ok(straight) = assuming_held(&straight) else { return held };
+    let Ok((straight, _)) = assuming_held(&straight) else { return held };
     if straight.simulation_error > TELLS * held.simulation_error {
         return held;
     }
-    let largest = widen(&mut held.best, &straight.best);
     let name = held.best.estimator;
+    let same = straight.estimates.iter().find(|estimate| estimate.estimator == name);
+    let largest = widen(&mut held.best, same.unwrap_or(&straight.best));
     if let Some(reported) = held.estimates.iter_mut().find(|estimate| estimate.estimator == name) {
         reported.clone_from(&held.best);
     }

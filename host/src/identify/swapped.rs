@@ -1,8 +1,8 @@
 //! Drive and position in each other's place.
 
-use super::estimate::{SIGNIFICANCE, both_directions, from_weak, negative, solve_base, unexplained};
+use super::equation_error::{SIGNIFICANCE, both_directions, from_weak, negative, solve_base, unexplained};
 use super::weak;
-use crate::fit::track;
+use crate::fit::session;
 use crate::recording::Recording;
 
 /// Share of what one assignment of the columns leaves unexplained below which the other one is the right one. A controller makes
@@ -16,7 +16,7 @@ const MUCH_BETTER: f64 = 0.2;
 /// An axis whose columns are swapped leads its drive, as if friction gave power.
 pub(super) fn explains_more(recordings: &[Recording], left: f64, any: bool) -> Option<f64> {
     let swap = |r: &Recording| Recording { u: r.x.clone(), x: r.u.clone(), encoder_step: None, ..r.clone() };
-    let windows = weak::windows(&track::session(&recordings.iter().map(swap).collect::<Vec<_>>()));
+    let windows = weak::windows(&session(&recordings.iter().map(swap).collect::<Vec<_>>()));
     if windows.len() < 12 {
         return None;
     }

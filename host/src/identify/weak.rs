@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use crate::fit::track::Track;
+use crate::fit::Track;
 
 /// Half-width of a window, s; at least [`MIN_HALF_SAMPLES`] samples.
 pub const HALF_WIDTH_S: f64 = 0.020;

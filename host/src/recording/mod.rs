@@ -74,6 +74,9 @@ pub struct Recording {
     pub meta: BTreeMap<String, String>,
     /// Indices, increasing, at which a new piece begins because samples before it are missing.
     pub gaps: Vec<usize>,
+    /// Interval at which the sensor was read, s, where rows that repeated a reading were merged
+    /// ([`Recording::refreshed`]): the position of a row is older than its stamp by an unknown part of it.
+    pub read_every_s: Option<f64>,
     /// What the reader found in the file and mended; [`Recording::warnings`] has it too.
     pub found: Vec<Warning>,
 }
@@ -120,6 +123,7 @@ impl Recording {
             counts_per_turn: options.counts_per_turn.or(table.header.counts_per_turn),
             gaps: timing::gaps(&table.t, &table.breaks),
             meta: table.header.meta,
+            read_every_s: None,
             found: table.found,
             t: table.t,
             u,

@@ -7,13 +7,23 @@ use super::Recording;
 /// Intervals of the sensor after which a position that is still the same counts as read anew: the axis rests.
 const AT_REST: f64 = 1.5;
 
+/// Intervals of a sensor's clock within which a delay is that clock's: a reading is up to one interval old, and half a one is the
+/// least error of its instant.
+const CLOCK_INTERVALS: f64 = 1.5;
+
 impl Recording {
+    /// Delays up to which the sensor's own clock explains, s; 0 where each row has a reading of its own.
+    pub fn unsure_s(&self) -> f64 {
+        self.read_every_s.map_or(0.0, |interval_s| CLOCK_INTERVALS * interval_s)
+    }
+
     /// The recording with one row for each refresh of a held position (see [`Recording::held`]); itself where each row has a
     /// position of its own. The drive of a row is its mean until the next, which moves the axis as far as the drive itself
     /// did.
     pub fn refreshed(&self) -> Cow<'_, Self> {
         let Some(held) = self.held().filter(|held| held.period_rows >= AT_REST) else { return Cow::Borrowed(self) };
         let mut own = Self { t: Vec::new(), u: Vec::new(), x: Vec::new(), gaps: Vec::new(), ..self.clone() };
+        own.read_every_s = Some(held.period_s);
         for piece in self.pieces() {
             let mut fresh: Vec<usize> = Vec::new();
             for row in piece.clone() {

@@ -116,6 +116,7 @@ impl Recording {
                 u: cut(&self.u, piece),
                 x: cut(&self.x, piece),
                 encoder_step: self.encoder_step,
+                read_every_s: self.read_every_s,
                 units: self.units.clone(),
                 counts_per_turn: self.counts_per_turn,
                 meta: self.meta.clone(),

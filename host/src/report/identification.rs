@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::choice;
 use super::figure::{Figure, Ink, Loop, Series, Strip, loops, stack};
 use super::page::{Section, list, table};
 use super::text::{escape, number, quantity, with_error};
@@ -197,7 +198,12 @@ fn model(story: &Story<'_>) -> String {
         })
         .collect();
     out.push_str(&table(&[("estimator", ""), ("b", "q"), ("c", "q"), ("f1", "q")], &rows));
+    let mut sentences = vec![format!("Reported: {}.", choice::choice(&story.identified.choice))];
+    sentences.extend(story.identified.gravity.iter().map(|trial| format!("Note: {}.", choice::gravity(trial))));
     // Writing to a String cannot fail.
+    for sentence in sentences {
+        let _ = writeln!(out, "<p>{}</p>", escape(&sentence));
+    }
     let _ = writeln!(
         out,
         "<p class=\"note\">Noise of the position {}; simulation error over 0.4 s {}.</p>",

@@ -8,6 +8,7 @@
 //! Every figure is drawn twice, for a phone's width and for a page's, so that its lettering keeps its size; the style
 //! sheet shows one of them.
 
+pub mod choice;
 pub mod discovery;
 pub mod figure;
 pub mod identification;

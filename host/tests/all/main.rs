@@ -7,6 +7,7 @@ mod decide;
 mod device;
 mod effects;
 mod fleet;
+mod identify_choice;
 mod identify_data;
 mod inputs;
 mod measured;

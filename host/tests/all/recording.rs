@@ -157,6 +157,7 @@ prop_compose! {
             encoder_step: Some(step.unwrap_or(1.0)),
             units: Units { u: units.0, x: units.1 },
             counts_per_turn: step.map(f64::abs),
+            read_every_s: None,
             meta,
             gaps: vec![gap],
             found: Vec::new(),

@@ -23,16 +23,26 @@ pub trait Motion {
 pub struct World<P> {
     /// What the drive moves.
     pub plant: P,
+    /// Largest drive that the power stage gives, drive codes; all of it where there is none.
+    pub stage_limit: Option<i16>,
     /// Applied drive, drive codes.
     pub drive: i16,
     /// Whether the bridge is on.
     pub enabled: bool,
+    /// Whether the bridge holds the motor's ends together.
+    pub braking: bool,
     /// Largest drive that was asked for since this was last set, drive codes.
     pub asked: u32,
     /// The free-running clock, µs.
     pub now_us: u32,
     /// The count at which the encoder stands still.
     pub frozen: Option<i32>,
+    /// One channel of the encoder is dead: the count toggles between this and the next.
+    pub dead_channel: Option<i32>,
+    /// Largest count added to the encoder's or taken from it, at random; 0: none.
+    pub noise_counts: i32,
+    /// State of the noise.
+    pub noise: u32,
     /// Added to the encoder's count.
     pub jump: i32,
     /// The encoder fails.
@@ -45,6 +55,8 @@ pub struct World<P> {
     pub late_us: u32,
     /// The drive fails.
     pub broken_drive: bool,
+    /// The last reset was the watchdog's.
+    pub watchdog_reset: bool,
     /// How often the watchdog was fed.
     pub fed: u32,
     /// Memory that a reset leaves.
@@ -76,16 +88,23 @@ impl<P> Clone for Shared<P> {
 impl<P: Motion> Encoder for Shared<P> {
     type Error = ();
     fn count(&mut self) -> Result<i32, ()> {
-        let world = self.0.borrow();
+        let mut world = self.0.borrow_mut();
         let count = world.plant.counts() * if world.reversed { -1 } else { 1 };
-        if world.dead_encoder { Err(()) } else { Ok(world.frozen.unwrap_or(count) + world.jump) }
+        // Of the four states in a line, the live channel is high in two.
+        let toggled = world.dead_channel.map(|at| at + i32::from(matches!(count.rem_euclid(4), 1 | 2)));
+        let count = world.frozen.or(toggled).unwrap_or(count) + world.jump;
+        let values = 2 * world.noise_counts.unsigned_abs() + 1;
+        world.noise = world.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = ((u64::from(world.noise) * u64::from(values)) >> 32) as i32 - world.noise_counts;
+        if world.dead_encoder { Err(()) } else { Ok(count + noise) }
     }
 }
 
 impl<P> Drive for Shared<P> {
     type Error = ();
     fn enable(&mut self) -> Result<(), ()> {
-        self.0.borrow_mut().enabled = true;
+        let mut world = self.0.borrow_mut();
+        (world.enabled, world.braking) = (true, false);
         Ok(())
     }
     fn apply(&mut self, command: i32) -> Result<Applied, ()> {
@@ -94,13 +113,19 @@ impl<P> Drive for Shared<P> {
             return Err(());
         }
         world.asked = world.asked.max(command.unsigned_abs());
-        let code = command.clamp(-i32::from(FULL_SCALE_CODE), i32::from(FULL_SCALE_CODE)) as i16;
+        let limit = i32::from(world.stage_limit.unwrap_or(FULL_SCALE_CODE));
+        let code = command.clamp(-limit, limit) as i16;
         world.drive = if world.enabled { code } else { 0 };
         Ok(Applied { code: world.drive, limited: i32::from(code) != command })
     }
+    fn brake(&mut self) -> Result<(), ()> {
+        self.off()?;
+        self.0.borrow_mut().braking = true;
+        Ok(())
+    }
     fn off(&mut self) -> Result<(), ()> {
         let mut world = self.0.borrow_mut();
-        (world.enabled, world.drive) = (false, 0);
+        (world.enabled, world.braking, world.drive) = (false, false, 0);
         Ok(())
     }
 }
@@ -114,6 +139,9 @@ impl<P> Clock for Shared<P> {
 impl<P> Protection for Shared<P> {
     fn tripped(&mut self) -> Option<Trip> {
         self.0.borrow().trip
+    }
+    fn watchdog_reset(&self) -> bool {
+        self.0.borrow().watchdog_reset
     }
     fn feed_watchdog(&mut self) {
         self.0.borrow_mut().fed += 1;

@@ -90,14 +90,20 @@ impl Host {
 pub fn run(bytes: &[u8]) -> bool {
     let world = Shared::<Mass>::default();
     let settings = Settings { position_per_count: 1e-3, drive_full_scale: 5.0, ..Settings::default() };
-    let identity = Identity { board: "fuzz", build: "fuzz", tick_hz: TICK_HZ };
+    let identity = Identity {
+        board: "fuzz",
+        build: "fuzz",
+        tick_hz: TICK_HZ,
+        drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
+        measures_current: false,
+    };
     let mut sums = Sums::new();
     let mut channels = Channels::new();
     let (tick_end, app_end) = channels.split();
     let at_rate = TickSettings::at_rate(TICK_HZ);
-    let guarding = guards(&settings, &identity);
-    let mut tick = Tick::new(world.clone(), TrackController::default(), tick_end, at_rate, guarding);
     let loaded = Loaded::defaults(settings);
+    let guarding = guards(&loaded, &identity);
+    let mut tick = Tick::new(world.clone(), TrackController::default(), tick_end, at_rate, guarding);
     let mut app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, &mut sums);
     let mut host = Host {
         world: world.clone(),

@@ -30,7 +30,7 @@ pub fn run(bytes: &[u8]) -> bool {
     let again = open(&mut ram).load(defaults);
     sound(&again, defaults);
     if saved.is_ok() {
-        assert_eq!(again, Loaded { settings, model: loaded.model, lost: None });
+        assert_eq!(again, Loaded { settings, model: loaded.model, lost: None, zero_needed: false });
     }
     loaded.lost.is_none()
 }

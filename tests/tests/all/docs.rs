@@ -220,8 +220,9 @@ fn named_tests_and_examples_exist() {
                 let file = package.join(place).join(name);
                 let found = file.with_extension("rs").exists() || file.join("main.rs").exists();
                 assert!(found, "{page}: `{command}`: no {name} in {}", package.join(place).display());
-                // Of a program with all tests a module is named.
-                let module = (*name == "all").then(|| words.iter().find_map(|word| word.strip_suffix("::"))).flatten();
+                // Of a program with all tests a module may be named, right behind it.
+                let behind = words.iter().position(|word| *word == flag).and_then(|at| words.get(at + 2));
+                let module = behind.filter(|_| *name == "all").and_then(|word| word.strip_suffix("::"));
                 let is_there =
                     |module: &str| file.join(module).exists() || file.join(module).with_extension("rs").exists();
                 assert!(module.is_none_or(is_there), "{page}: `{command}`: no such module");

@@ -65,6 +65,18 @@ fn late_ticks_and_a_missing_supply() {
 }
 
 #[test]
+fn an_emergency_stop() {
+    needs_qemu!();
+    let mut bench = Bench::new(|_| {});
+    bench.swing();
+    bench.breaks(Fault::EmergencyStop, 1);
+    bench.kept(FaultCause::EmergencyStop);
+    assert!(bench.client.done(Command::ClearFault).is_err());
+    bench.board.inject(Fault::Healed);
+    bench.done(Command::ClearFault);
+}
+
+#[test]
 fn a_host_that_is_gone() {
     needs_qemu!();
     let mut bench = Bench::new(|options| options.settings.command_timeout_ms = 2_000);

@@ -87,6 +87,12 @@ says! { AdaptiveError:
     Self::Motion => "speed and acceleration must be 0 or more",
 }
 
+/// The least δ behind an encoder, X/s: half of the jump that a count of `step` (X) makes in ė, filtered over `filter_s`. Below, the law
+/// adapts to the rounding, whose mean drives b̂ up (docs/adaptive.md, what `breakaway tune` chooses).
+pub fn least_delta<F: Real>(step: F, filter_s: F, tick_s: F) -> F {
+    step.scale(0.5) / (filter_s + tick_s)
+}
+
 impl<F: Real> Adaptation<F> {
     /// Gains in proportion to the squares of the start values, so that one number sets the speed of all: along a
     /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate` rad/s.

@@ -1,5 +1,9 @@
+extern crate std;
+
 use super::*;
-use crate::control::tune;
+use crate::control::tuning::largest_rate;
+use crate::control::{Sine, least_delta, tune};
+use crate::plant::{Base, Drive, Plant};
 use crate::scalar::{Q32, Real};
 use proptest::prelude::*;
 
@@ -139,4 +143,46 @@ fn sigma_bounds_the_residual_estimate() {
     }
     // |s_Δ| = 1.5 − 0.5 = 1, so f̂ → 1/σ.
     assert!((state.estimates.f - 0.5).abs() < 1e-3, "{}", state.estimates.f);
+}
+
+/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding, whose mean
+/// drives b̂ up: for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms in the first and the last minute.
+fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
+    const STEP: f64 = 1e-3;
+    const MINUTE: u32 = 60_000;
+    let gains = Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() };
+    let mut adaptation = Adaptation::normalised(&START, 5.0, 1.6, 2.5, delta);
+    adaptation.gains.b *= rate_of_b * rate_of_b;
+    let law = Adaptive::<f64>::new(&gains, &adaptation, &START, TICK, 1, 12.0).unwrap();
+    let plant = Plant { base: Base { b: START.b, c: START.c, f1: START.f1 }, effects: &[] };
+    let sine = Sine::<f64>::new(1.0, 0.25, TICK).unwrap();
+    let (mut state, mut motion, mut u) = (law.start(), plant.at_rest(0.0), 0.0);
+    let mut squares = [0.0; 8];
+    for k in 0..8 * MINUTE {
+        plant.advance(&mut motion, Drive { u: &[u], ts: TICK, t: 0.0 }, 1);
+        let x = libm::round(motion.x / STEP) * STEP;
+        let reference = sine.at(k);
+        let asked = law.drive(&mut state, reference, x, reference.v.sgn());
+        u = asked.clamp(-12.0, 12.0);
+        law.learn(&mut state, u != asked);
+        squares[(k / MINUTE) as usize] += u * u / f64::from(MINUTE);
+    }
+    (state.estimates.b / START.b, libm::sqrt(squares[0]), libm::sqrt(squares[7]))
+}
+
+/// Both projection and least δ.
+#[test]
+fn the_largest_b_is_the_one_of_the_sampled_loop() {
+    let gains = tune(START.b, START.c, 8.0, TICK, 1).unwrap();
+    let most = largest_rate(TICK, 1) / (gains.kv + gains.lambda2);
+    // Without a largest b̂ it came to 19.5 b, and the drive to 6.4 V rms where the motion needs 0.75 V.
+    let (over, first, last) = eight_minutes(0.02, 1.0);
+    std::println!(
+        "delta 0.02: b̂/b {over:.2} of {most:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth"
+    );
+    assert!(over <= most * (1.0 + 1e-12) && last < 2.5 * first, "{over} {first} {last}");
+    // The least δ, and b̂ at a tenth of the rate as `tune` has it: nothing is learnt of the rounding that a tenth would show.
+    let (over, first, last) = eight_minutes(least_delta(1e-3, 2.0 * TICK, TICK), 0.1);
+    std::println!("least delta: b̂/b {over:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth");
+    assert!((over - 1.0).abs() < 0.1 && (last / first - 1.0).abs() < 0.02, "{over} {first} {last}");
 }

@@ -20,7 +20,7 @@ impl Law for DeadZone {
                 .search(Search::Grid(Scale::Drive, &[0.01, 0.03, 0.1, 0.3])),
         ],
         shown_by: "small drive",
-        confused_with: &["load_friction", "pwm_dead_time"],
+        confused_with: &["load_friction", "pwm_dead_time", "stiction"],
         compensation: Some("inverse: u + d·sgn u"),
         ..Definition::PLAIN
     };

@@ -67,18 +67,22 @@ macro_rules! catalogue {
                 match self { $(Self::$law => &<$law as Law>::DEFINITION,)* }
             }
             /// Where the effect acts.
+            #[inline]
             pub const fn acts_in(self) -> ActsIn {
                 match self { $(Self::$law => <$law as Law>::DEFINITION.acts_in,)* }
             }
             /// See [`Law::ALONG_THE_DRIVE`].
+            #[inline]
             pub const fn along_the_drive(self) -> u8 {
                 match self { $(Self::$law => <$law as Law>::ALONG_THE_DRIVE,)* }
             }
             /// Whether friction is carried by bristles.
+            #[inline]
             pub const fn bristles(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::BRISTLES,)* }
             }
             /// See [`Law::FREE_MEMORY`].
+            #[inline]
             pub const fn free_memory(self) -> usize {
                 match self { $(Self::$law => <$law as Law>::FREE_MEMORY,)* }
             }
@@ -87,6 +91,7 @@ macro_rules! catalogue {
                 self.free_memory() == 2
             }
             /// See [`Law::SUB_STEPS`].
+            #[inline]
             pub const fn sub_steps(self) -> usize {
                 match self { $(Self::$law => <$law as Law>::SUB_STEPS,)* }
             }
@@ -100,6 +105,7 @@ macro_rules! catalogue {
                 self.definition().parameters.iter().any(|parameter| along(parameter.search))
             }
             /// Whether the effect has a memory that must be brought up to date.
+            #[inline]
             pub const fn remembers(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }

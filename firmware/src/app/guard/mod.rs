@@ -1,7 +1,8 @@
 //! Guards: what ends a run or latches a fault before the mode is asked for a drive. Integers only.
 
+mod direction;
 mod settings;
 mod watch;
 
 pub use settings::Guards;
-pub(super) use watch::{Observation, Verdict, Watch};
+pub(super) use watch::{Held, Observation, Verdict, Watch};

@@ -21,18 +21,25 @@ pub struct Guards {
     pub mean_drive_code: i16,
     /// The mean is a leaky average over 2^shift ticks: about a second.
     pub mean_shift: u8,
-    /// Guard: ticks without a count at [`Self::frozen_drive_code`] or more.
+    /// Guard: ticks without motion (4 counts) at [`Self::frozen_drive_code`] or more.
     pub frozen_ticks: u32,
     /// Guard: drive at which the axis must move, drive codes.
     pub frozen_drive_code: i16,
     /// Guard: most counts in one tick.
     pub jump_counts: u32,
-    /// Guard: motion from rest against the drive, counts.
+    /// Guard: work against the drive, in counts at [`Self::frozen_drive_code`].
     pub direction_counts: i32,
+    /// Guard: drive and motion are compared over so many ticks: a 64th of a second, 16 ..= 2¹⁰. Long beside the noise of single
+    /// counts and short beside the time in which an axis gains speed.
+    pub block_ticks: u32,
     /// Guard: late ticks in a row.
     pub overruns: u8,
     /// Guard: ticks without a valid command.
     pub silent_ticks: u32,
+    /// The motor is braked after a run.
+    pub brake: bool,
+    /// The travel limits are referred to a zero that is not known since the reset.
+    pub zero_needed: bool,
     /// The encoder counts down when a positive drive moves the axis.
     pub reversed: bool,
 }
@@ -50,6 +57,8 @@ impl Guards {
         let hz = u64::from(tick_hz);
         let counts_in_16_ticks = (u64::from(settings.speed_max_counts_per_s) * SPEED_TICKS).div_ceil(hz).max(1);
         let silent_ticks = (u64::from(settings.command_timeout_ms) * hz).div_ceil(1000).max(1);
+        // The powers of two below them.
+        let mean_shift = (u32::BITS - 1 - tick_hz.leading_zeros()).min(16);
         Self {
             drive_code: settings.drive_max_code.clamp(1, FULL_SCALE_CODE),
             travel_min: settings.travel_min_counts,
@@ -58,15 +67,24 @@ impl Guards {
             tick_hz,
             current_ma: settings.current_max_ma,
             mean_drive_code: settings.mean_drive_max_code,
-            mean_shift: (u32::BITS - 1 - tick_hz.leading_zeros()).min(16) as u8,
+            mean_shift: mean_shift as u8,
             frozen_ticks: settings.frozen_ticks,
             frozen_drive_code: settings.frozen_drive_code,
             jump_counts: settings.jump_counts,
             direction_counts: (settings.counts_per_revolution / 64).max(LEAST_DIRECTION) as i32,
+            block_ticks: 1 << mean_shift.saturating_sub(6).max(4),
             overruns: settings.overrun_limit,
             silent_ticks: u32::try_from(silent_ticks).unwrap_or(u32::MAX),
+            brake: settings.brake,
+            zero_needed: false,
             reversed: settings.encoder_reversed,
         }
+    }
+
+    /// These in force of `before`: limits that stay are not known better for it, and new ones count as the axis does now.
+    pub(in crate::app) fn after(self, before: &Self) -> Self {
+        let same = (self.travel_min, self.travel_max) == (before.travel_min, before.travel_max);
+        Self { zero_needed: before.zero_needed && same, ..self }
     }
 
     /// Ticks as milliseconds, for reports.

@@ -2,6 +2,7 @@
 
 use breakaway_core::link::{Ending, FaultCause, Limit};
 
+use super::direction::Direction;
 use super::settings::Guards;
 use crate::app::run::RunLimits;
 use crate::board::travel;
@@ -26,8 +27,19 @@ pub(in crate::app) enum Verdict {
     Fine,
     /// End the run.
     End(Ending),
+    /// End the run at a stop, where the count is this.
+    Stop(i32),
     /// Latch a fault: cause, value, limit.
     Fault(FaultCause, i32, i32),
+}
+
+/// What an excitation does when nothing moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::app) struct Held {
+    /// The drive that it holds, drive codes.
+    pub peak: Option<i32>,
+    /// The count at the stop that it seeks.
+    pub stop_at: Option<i32>,
 }
 
 /// What is remembered from the start of a run.
@@ -38,26 +50,34 @@ pub(in crate::app) struct Watch {
     frozen_drive: i32,
     /// Whether an axis that never moves ends the run (a relay below break-away) rather than be a fault.
     may_stick: bool,
+    /// Standing still after motion is a stop, where the count is this.
+    stop_at: Option<i32>,
     /// Leaky average of the counts in 16 ticks, times 16.
     speed: i32,
     /// Leaky average of |drive|, times 2^shift: below 2¹⁵·2¹⁶.
     mean_drive: u32,
+    /// The count at the last motion: the axis moves when it leaves a window around it.
+    anchor: i32,
+    /// Ticks since then with a drive at which it must move, in all and whichever way: a drive that changes its sign, or is weaker
+    /// for a while, is no motion.
     still_ticks: u32,
     silent_ticks: u32,
-    /// Sign of the first drive of the run; 0 before it, and `None` once it has changed.
-    first_drive: Option<i32>,
-    /// Counts in the tick before the first drive.
-    coasting: i32,
+    direction: Direction,
     /// The axis has moved since the start of the run.
     moved: bool,
 }
+
+/// Counts that are motion: a line of the encoder, in which both channels have changed. With one channel dead the count toggles
+/// by 1, and an edge that stands under a transition by 1 too.
+const MOTION_COUNTS: u32 = 4;
 
 /// Ticks of the speed's average, as a power of two: with it, 16 times the mean counts per tick.
 const SPEED_SHIFT: u32 = 4;
 
 impl Watch {
-    /// From `start`, within `limits`; `peak` is the drive of a relay that nothing answers.
-    pub(in crate::app) fn new(guards: &Guards, limits: RunLimits, start: i32, peak: Option<i32>) -> Self {
+    /// From `start`, within `limits`.
+    pub(in crate::app) fn new(guards: &Guards, limits: RunLimits, start: i32, held: Held) -> Self {
+        let Held { peak, stop_at } = held;
         let frozen_drive = i32::from(guards.frozen_drive_code);
         // Cut by the limit it must still be seen.
         let held = peak.map_or(i32::MAX, |peak| (peak.min(i32::from(limits.drive_code)) * 3 / 4).max(1));
@@ -65,13 +85,14 @@ impl Watch {
             start,
             limits,
             frozen_drive: frozen_drive.min(held),
-            may_stick: held < frozen_drive,
+            may_stick: held < frozen_drive || stop_at.is_some(),
+            stop_at,
             speed: 0,
             mean_drive: 0,
+            anchor: start,
             still_ticks: 0,
             silent_ticks: 0,
-            first_drive: Some(0),
-            coasting: 0,
+            direction: Direction::new(guards, start, frozen_drive.min(held)),
             moved: false,
         }
     }
@@ -84,17 +105,18 @@ impl Watch {
     #[inline]
     pub(in crate::app) fn look(&mut self, guards: &Guards, seen: Observation) -> Verdict {
         let distance = travel(self.start, seen.count);
-        if seen.moved == 0 && i32::from(seen.drive).abs() >= self.frozen_drive {
+        if travel(self.anchor, seen.count).unsigned_abs() >= MOTION_COUNTS {
+            self.anchor = seen.count;
+            self.moved = true;
+            self.still_ticks = 0;
+        } else if i32::from(seen.drive).abs() >= self.frozen_drive {
             self.still_ticks = self.still_ticks.saturating_add(1);
             if self.still_ticks >= guards.frozen_ticks {
                 return self.frozen(guards);
             }
-        } else {
-            self.still_ticks = 0;
         }
-        self.moved |= distance.unsigned_abs() >= 2;
-        if self.against(guards, seen, distance) {
-            return Verdict::Fault(FaultCause::WrongDirection, distance, guards.direction_counts);
+        if let Some(counts) = self.direction.wrong(guards, seen.count, seen.drive) {
+            return Verdict::Fault(FaultCause::WrongDirection, counts, guards.direction_counts);
         }
         self.silent_ticks = if seen.alive { 0 } else { self.silent_ticks.saturating_add(1) };
         if self.silent_ticks >= guards.silent_ticks {
@@ -109,7 +131,7 @@ impl Watch {
         if distance.unsigned_abs() > self.limits.travel_counts {
             return end(Limit::Bound, distance);
         }
-        if seen.count < guards.travel_min || seen.count > guards.travel_max {
+        if seen.count < self.limits.travel.0 || seen.count > self.limits.travel.1 {
             return end(Limit::Travel, seen.count);
         }
         let speed = self.speed >> SPEED_SHIFT;
@@ -132,31 +154,13 @@ impl Watch {
     /// must move, has lost its encoder.
     #[cold]
     fn frozen(&self, guards: &Guards) -> Verdict {
+        if let (Some(at), true) = (self.stop_at, self.moved) {
+            return Verdict::Stop(at);
+        }
         if self.may_stick && !self.moved {
             return Verdict::End(Ending::NoLimitCycle);
         }
         let ticks = |ticks| i32::try_from(ticks).unwrap_or(i32::MAX);
         Verdict::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
-    }
-
-    /// Whether the axis has gained speed against the drive, which has kept its sign since the start of the run. One that
-    /// was still coasting when the run started moves against it too, but loses speed.
-    fn against(&mut self, guards: &Guards, seen: Observation, distance: i32) -> bool {
-        let drive = i32::from(seen.drive);
-        let Some(first) = self.first_drive else {
-            return false;
-        };
-        if first == 0 {
-            self.coasting = seen.moved;
-            self.first_drive = Some(drive.signum());
-            return false;
-        }
-        if drive.signum() == -first {
-            self.first_drive = None;
-        }
-        let coasting = self.coasting.saturating_mul(-first).max(0);
-        let gained =
-            (self.speed >> SPEED_SHIFT).saturating_mul(-first) >= coasting.saturating_add(1).saturating_mul(16);
-        gained && distance.saturating_mul(-first) >= guards.direction_counts
     }
 }

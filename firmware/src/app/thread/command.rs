@@ -2,13 +2,14 @@
 
 use breakaway_core::excite::relay::{DualRelay, RelayError};
 use breakaway_core::link::{
-    Bounds, Command, CommandError, Field, Info, Mode, PROTOCOL_VERSION, Relay, Reply, Request, SCHEMA, Status, Text,
-    Track, Trajectory,
+    Bounds, Command, CommandError, Field, Info, Mode, PROTOCOL_VERSION, Push, Relay, Reply, Request, SCHEMA, Status,
+    Text, Track, Trajectory,
 };
 
-use super::{App, Experiment, Planner, Then, Waiting, guards};
+use super::{App, Experiment, Planner, Then, Waiting};
 use crate::app::channels::Order;
 use crate::app::excite::Excitation;
+use crate::app::guard::Guards;
 use crate::app::run::RunOrder;
 use crate::board::Wire;
 use crate::storage::Store;
@@ -28,8 +29,15 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::Hello => self.outbox.reply(id, Reply::Info(self.info())),
             Command::Status => self.outbox.reply(id, Reply::Status(self.status())),
             Command::GetSettings => self.outbox.reply(id, Reply::Settings(self.settings)),
+            // What nothing measures would protect nothing.
+            Command::SetSettings(settings) if settings.current_max_ma > 0 && !self.identity.measures_current => {
+                return Err(CommandError::Settings(Field::CurrentMax));
+            }
+            Command::SetSettings(settings) if settings.drive_max_code > self.identity.drive_max_code => {
+                return Err(CommandError::Settings(Field::DriveMax));
+            }
             Command::SetSettings(settings) => {
-                self.ask(id, Order::Guards(guards(&settings, &self.identity)), Then::Settings(settings));
+                self.ask(id, Order::Guards(Guards::new(&settings, self.identity.tick_hz)), Then::Settings(settings));
             }
             Command::GetModel => self.outbox.reply(id, Reply::Model(self.model.clone())),
             Command::LoadModel(model) => {
@@ -56,6 +64,9 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::StreamOff => self.switch(id, 0),
             Command::GetFault => self.outbox.reply(id, Reply::Fault(self.fault)),
             Command::ClearFault => self.ask(id, Order::ClearFault, Then::Cleared),
+            Command::Zero { count } => self.ask(id, Order::Zero(count), Then::Zeroed),
+            Command::Jog(push) => self.push(id, push, None)?,
+            Command::Home { push, at } => self.push(id, push, Some(at))?,
             Command::Reboot => {
                 self.reboot = true;
                 self.done(id);
@@ -95,6 +106,16 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             // The tick has not taken the orders before: it stands still.
             self.outbox.reply(id, Reply::Error(CommandError::Busy(self.mode())));
         }
+    }
+
+    fn push(&mut self, id: u16, push: Push, stop_at: Option<i32>) -> Result<(), CommandError> {
+        let Push { drive_code, bounds } = push;
+        // Against a stop it is a stalled motor.
+        if drive_code.unsigned_abs() > self.settings.mean_drive_max_code.unsigned_abs() {
+            return Err(CommandError::Range(Field::PushDrive));
+        }
+        self.start(id, RunOrder::Excite(Excitation::Push { drive_code, stop_at }), bounds, Then::Nothing);
+        Ok(())
     }
 
     fn relay(&mut self, id: u16, relay: &Relay) -> Result<(), CommandError> {
@@ -163,6 +184,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             bad_frames: self.decoder.bad_frames(),
             overruns: self.overruns,
             unsaved: !self.saved,
+            zero_needed: self.zero_needed,
         }
     }
 }

@@ -33,6 +33,10 @@ pub struct Identity {
     pub build: &'static str,
     /// Control ticks per second, ≥ 1.
     pub tick_hz: u32,
+    /// Largest drive that its power stage gives, drive codes: settings above are refused.
+    pub drive_max_code: i16,
+    /// It measures the motor's current ([`crate::board::Protection::current_ma`]); else a limit of it is refused.
+    pub measures_current: bool,
 }
 
 /// What the main loop should do after a poll.
@@ -57,6 +61,7 @@ enum Then {
     Nothing,
     Cleared,
     Settings(Settings),
+    Zeroed,
     Relay(Experiment),
     Track(Track),
 }
@@ -65,6 +70,7 @@ enum Then {
 const READ_BYTES: usize = 64;
 
 /// The application beside the tick.
+#[allow(clippy::struct_excessive_bools, reason = "each is so or not whatever the others are")]
 pub struct App<'q, 'a, P: Planner, W, S> {
     channels: AppEnd<'q, 'a, P::Plan>,
     planner: P,
@@ -74,6 +80,8 @@ pub struct App<'q, 'a, P: Planner, W, S> {
     settings: Settings,
     model: Option<Model>,
     saved: bool,
+    /// As the tick's guards have it.
+    zero_needed: bool,
     decoder: Decoder,
     outbox: Outbox,
     stream: Stream,
@@ -112,6 +120,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             settings: loaded.settings,
             model: loaded.model,
             saved: true,
+            zero_needed: loaded.zero_needed,
             decoder: Decoder::new(),
             outbox: Outbox::new(),
             stream: Stream::new(),
@@ -236,6 +245,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         if ended.mode == Mode::Track {
             self.drift.ended();
         }
+        self.zero_needed &= ended.ending != Ending::Homed;
         self.outbox.event(Event::ExperimentEnded(ended));
     }
 
@@ -250,8 +260,10 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         match then {
             Then::Nothing => {}
             Then::Cleared => self.fault = None,
+            Then::Zeroed => self.zero_needed = false,
             Then::Settings(settings) => {
                 self.saved &= settings == self.settings;
+                self.zero_needed &= settings.same_travel(&self.settings);
                 self.settings = settings;
             }
             Then::Relay(experiment) => self.identification.start(experiment),
@@ -298,7 +310,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
     }
 }
 
-/// The tick's guards for settings.
-pub fn guards(settings: &Settings, identity: &Identity) -> Guards {
-    Guards::new(settings, identity.tick_hz)
+/// The tick's guards at the start.
+pub fn guards(loaded: &Loaded, identity: &Identity) -> Guards {
+    Guards { zero_needed: loaded.zero_needed, ..Guards::new(&loaded.settings, identity.tick_hz) }
 }

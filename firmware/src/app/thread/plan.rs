@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{
     Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
-    TuningError, lead_s,
+    TuningError, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -60,7 +60,12 @@ impl Planner for TrackController {
         let model = model.ok_or(CommandError::Range(Field::B))?;
         let base: Base<f32> = model.base()?;
         let tick_s = 1.0 / tick_hz.max(1) as f32;
-        let limit = settings.drive_full_scale * f32::from(settings.drive_max_code) / f32::from(FULL_SCALE_CODE);
+        // The limit in force, of the settings (none above the power stage's is taken) and of the run: what the drive saturates at.
+        let limit_code = match track.bounds.drive_max_code {
+            bound @ 1.. => bound.min(settings.drive_max_code),
+            _ => settings.drive_max_code,
+        };
+        let limit = settings.drive_full_scale * f32::from(limit_code) / f32::from(FULL_SCALE_CODE);
         let (path, speed, acceleration) = path(&track.trajectory, tick_hz)?;
         let law = match track.controller {
             Wire::Pid(wire) => {
@@ -79,6 +84,11 @@ impl Planner for TrackController {
                 Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
             Wire::Adaptive(wire) => {
+                // Less a rounding: the host works it out in its own numbers.
+                let least = 0.999 * least_delta(settings.position_per_count, FILTER_TICKS * tick_s, tick_s);
+                if wire.delta < least {
+                    return Err(CommandError::Range(Field::Delta));
+                }
                 let gains = Gains {
                     b: base.b,
                     kv: wire.kv,

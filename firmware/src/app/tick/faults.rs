@@ -58,6 +58,7 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     pub(super) fn trip(&mut self, trip: Trip) {
         match trip {
             Trip::Break(number) => self.fail(FaultCause::BreakInput, number, 0),
+            Trip::EmergencyStop => self.fail(FaultCause::EmergencyStop, 0, 0),
             Trip::Supply(millivolts) => self.fail(FaultCause::Supply, millivolts, 0),
         }
     }
@@ -66,6 +67,16 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     pub(super) fn current(&mut self) {
         if let Some(value) = self.board.protection().current_ma().filter(|now| *now > self.guards.current_ma) {
             self.end(Ending::Limit { limit: Limit::Current, value: clamped(value) });
+        }
+    }
+
+    /// A tick came late: where more than the tolerated number is missing before it, nothing that was going on goes on.
+    #[cold]
+    pub(super) fn stood_still(&mut self, since_us: u32) {
+        let missing = (since_us / self.settings.period_us.max(1)).saturating_sub(1);
+        let tolerated = u32::from(self.guards.overruns);
+        if missing > tolerated && self.run.is_some() {
+            self.fail(FaultCause::TickOverrun, clamped(missing), clamped(tolerated));
         }
     }
 

@@ -5,11 +5,11 @@ mod faults;
 mod orders;
 
 use breakaway_core::excite::waveform::{TABLE_POINTS, Table};
-use breakaway_core::link::{Ending, FaultCause, FaultRecord, Mode, Sample};
+use breakaway_core::link::{Bounds, Ending, FaultCause, FaultRecord, Mode, Sample};
 
 use super::accumulate::Accumulation;
 use super::channels::TickEnd;
-use super::control::{ControlInput, Controller};
+use super::control::Controller;
 use super::guard::{Guards, Observation, Verdict};
 use super::memory::Remembered;
 use super::run::{Run, RunLimits, Source};
@@ -38,7 +38,8 @@ impl TickSettings {
 /// [`Tick::tick`] is called once per period from the timer's interrupt, above everything that may take long. Its
 /// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half a
 /// period late, does not feed the watchdog; as many of them in a row as the settings say latch
-/// [`FaultCause::TickOverrun`] if a run is under way.
+/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is driven: a core
+/// that a debugger has halted does not go on driving.
 ///
 /// It never blocks, never allocates, and cannot panic; experiments use integers only.
 pub struct Tick<'q, 'a, B: Board, C: Controller> {
@@ -52,6 +53,8 @@ pub struct Tick<'q, 'a, B: Board, C: Controller> {
     fault: Option<FaultRecord>,
     accumulation: Option<Accumulation<'a>>,
     applied: Applied,
+    /// Added to what the encoder says, counts: where zero is.
+    zero_offset: i32,
     now: u32,
     last_count: Option<i32>,
     last_start_us: Option<u32>,
@@ -85,6 +88,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
             fault: None,
             accumulation: None,
             applied: Applied::default(),
+            zero_offset: 0,
             now: 0,
             last_count: None,
             last_start_us: None,
@@ -116,7 +120,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
 
     /// The limits in force: those of the settings, tighter during a run that asked for it.
     pub fn limits(&self) -> RunLimits {
-        let settings = RunLimits::new(&self.guards, breakaway_core::link::Bounds::default());
+        let settings =
+            RunLimits::new(&self.guards, Bounds::default(), (self.guards.travel_min, self.guards.travel_max));
         self.run.as_ref().map_or(settings, |run| run.watch.limits())
     }
 
@@ -134,8 +139,8 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let alive = self.channels.alive();
         if let Ok(count) = self.board.encoder().count() {
             let count = if self.guards.reversed { count.wrapping_neg() } else { count };
-            self.obey(count);
-            self.pass(count, alive);
+            self.obey(count.wrapping_add(self.zero_offset));
+            self.pass(count.wrapping_add(self.zero_offset), alive);
         } else {
             // No sample: a position that was not read must not be recorded.
             self.fail(FaultCause::EncoderError, 0, 0);
@@ -158,7 +163,11 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
     fn on_time(&mut self, start_us: u32) -> bool {
         let last = self.last_start_us.replace(start_us);
         let since_us = last.map_or(0, |last| elapsed_us(last, start_us));
-        since_us <= self.settings.period_us + self.settings.period_us / 2
+        let in_time = since_us <= self.settings.period_us + self.settings.period_us / 2;
+        if !in_time {
+            self.stood_still(since_us);
+        }
+        in_time
     }
 
     fn pass(&mut self, count: i32, alive: bool) {
@@ -194,6 +203,10 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         match run.watch.look(&self.guards, seen) {
             Verdict::Fine => {}
             Verdict::End(ending) => self.end(ending),
+            Verdict::Stop(at) => {
+                self.end(Ending::Homed);
+                self.zero(seen.count, at);
+            }
             Verdict::Fault(cause, value, limit) => self.fail(cause, value, limit),
         }
     }
@@ -212,10 +225,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control => {
-                let Applied { code: applied, limited } = self.applied;
-                self.controller.tick(ControlInput { distance, applied, limited })
-            }
+            Source::Control => self.controller.tick(distance),
         };
         let limit = i32::from(run.watch.limits().drive_code);
         let start = run.start;
@@ -226,7 +236,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         // Not `clamp`, which panics where it cannot see that the limit is positive.
         let cut = command.min(limit).max(-limit);
         match self.board.drive().apply(cut) {
-            Ok(applied) => self.applied = Applied { limited: applied.limited || cut != command, ..applied },
+            Ok(applied) => self.applied = applied,
             Err(_) => self.fail(FaultCause::DriveStage, command, 0),
         }
         start.wrapping_add(reference)

@@ -6,18 +6,18 @@ use super::Tick;
 use crate::app::accumulate::Accumulation;
 use crate::app::channels::Order;
 use crate::app::control::Controller;
-use crate::app::excite::Exciter;
-use crate::app::guard::Watch;
+use crate::app::excite::{Excitation, Exciter};
+use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
-use crate::board::{Board, Drive, Retained};
+use crate::board::{Applied, Board, Drive, Retained, travel};
 
 impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
     #[inline(always)]
     pub(super) fn obey(&mut self, count: i32) {
         if self.channels.orders.ready() {
-            self.carry_out();
+            self.carry_out(count);
         } else if self.channels.runs.ready() {
             self.begin(count);
         }
@@ -41,7 +41,7 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
 
     #[cold]
     #[inline(never)]
-    fn carry_out(&mut self) {
+    fn carry_out(&mut self, count: i32) {
         let idle = self.idle();
         let Some(order) = self.channels.orders.dequeue() else {
             return;
@@ -59,9 +59,14 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
                 if idle.is_ok() {
                     // The sign of the count may change with it.
                     self.last_count = None;
-                    self.guards = guards;
+                    self.guards = guards.after(&self.guards);
                 }
                 self.answer(idle);
+            }
+            Order::Zero(at) => {
+                let answer = idle
+                    .and_then(|()| self.last_count.map(|_| self.zero(count, at)).ok_or(CommandError::FaultPersists));
+                self.answer(answer);
             }
             Order::Waveform(part) => {
                 if idle.is_ok() {
@@ -89,34 +94,52 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
 
     /// Starts the next run from where it lies: a controller's plan is long, and copied once only.
     fn start(&mut self, count: i32) -> Result<(), CommandError> {
-        if count < self.guards.travel_min || count > self.guards.travel_max {
-            return Err(CommandError::OutsideTravel);
-        }
         let Some((order, bounds)) = self.channels.runs.peek() else {
             return Ok(());
         };
         let bounds: Bounds = *bounds;
-        let (source, peak, mode) = match order {
-            RunOrder::Excite(excitation) => {
-                (Source::Exciter(Exciter::new(*excitation)), excitation.peak(), excitation.mode())
-            }
+        let guards = &self.guards;
+        let mut limits = (guards.travel_min, guards.travel_max);
+        let mut held = Held::default();
+        let mut push = false;
+        if let RunOrder::Excite(excitation) = order {
+            (limits, push) = (excitation.travel(guards), matches!(excitation, Excitation::Push { .. }));
+            held = Held { peak: excitation.peak(), stop_at: excitation.stop_at() };
+        }
+        if guards.zero_needed && !push {
+            return Err(CommandError::NotZeroed);
+        }
+        if count < limits.0 || count > limits.1 {
+            return Err(CommandError::OutsideTravel);
+        }
+        let (source, mode) = match order {
+            RunOrder::Excite(excitation) => (Source::Exciter(Exciter::new(*excitation)), excitation.mode()),
             RunOrder::Track(plan) => {
                 self.controller.start(plan, count);
-                (Source::Control, None, Mode::Track)
+                (Source::Control, Mode::Track)
             }
             RunOrder::Hold(plan) => {
                 self.controller.start(plan, count);
-                (Source::Control, None, Mode::Hold)
+                (Source::Control, Mode::Hold)
             }
         };
         if self.board.drive().enable().is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
             return Err(CommandError::Faulted);
         }
-        let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds), count, peak);
+        let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds, limits), count, held);
         self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
         self.board.retained().write(Remembered::Running(self.now).to_words());
         Ok(())
+    }
+
+    /// Calls the position at `count` `at` from now on.
+    #[cold]
+    pub(super) fn zero(&mut self, count: i32, at: i32) {
+        self.zero_offset = self.zero_offset.wrapping_add(travel(count, at));
+        // The count has not moved by it.
+        self.last_count = Some(at);
+        self.guards.zero_needed = false;
     }
 
     /// Ends the run, if there is one: the drive goes off, and everything the run had changed goes with it.
@@ -125,7 +148,8 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         let Some(run) = self.run.take() else {
             return;
         };
-        let off = self.switch_off();
+        let off = if self.brakes(ending) { self.board.drive().brake() } else { self.board.drive().off() };
+        self.applied = Applied::default();
         self.board.retained().write(Remembered::Nothing.to_words());
         self.unsent.ended = Some(Ended { mode, ending, tick: self.now, ticks: run.ticks });
         self.unsent.news = true;
@@ -133,6 +157,17 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         if off.is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
         }
+    }
+
+    /// Whether the motor is held after a run that ends so: not by a power stage that has said that it should be off.
+    fn brakes(&self, ending: Ending) -> bool {
+        let stage = matches!(
+            ending,
+            Ending::Fault(
+                FaultCause::BreakInput | FaultCause::EmergencyStop | FaultCause::Supply | FaultCause::DriveStage
+            )
+        );
+        self.guards.brake && !stage
     }
 
     /// Hands the sums back with the next events.

@@ -117,6 +117,7 @@ impl Lockstep {
             0 => self.next.late_us = value.unsigned_abs(),
             1 => self.next.trip = Some(Trip::Break(value)),
             2 => self.next.trip = Some(Trip::Supply(value)),
+            5 => self.next.trip = Some(Trip::EmergencyStop),
             3 => self.next.trip = None,
             4 => self.dead = value != 0,
             _ => {}

@@ -1,7 +1,8 @@
 //! A full bridge on TIM1: two half bridges, each with complementary inputs and dead time, made into the inputs of a
 //! [`SignMagnitude`] drive.
 //!
-//! A positive drive switches leg A and holds leg B low; a negative one the other way round; off opens all four switches.
+//! A positive drive switches leg A and holds leg B low; a negative one the other way round; no duty holds both low, which brakes;
+//! off opens all four switches.
 //! The registers are written without the HAL, whose checks could panic in the tick.
 
 use core::convert::Infallible;
@@ -13,8 +14,10 @@ use embassy_stm32::pac::timer::vals::{Cms, Ocm, Ossi, Ossr};
 use embedded_hal::digital::{self, OutputPin, PinState};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-use super::constants::{BREAK_FILTER, BREAK_LEVEL, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS};
-use crate::board::{Limits, SignMagnitude};
+use super::constants::{
+    BREAK_FILTER, BREAK_LEVEL, BREAK_PIN, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS, SYSTEM_BREAK,
+};
+use crate::board::{Limits, SignMagnitude, Trip};
 
 /// The power stage.
 pub type Bridge = SignMagnitude<Magnitude, Direction, Enable>;
@@ -54,7 +57,7 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
             outputs.set_ccne(leg, true);
         }
     });
-    // The pin is the one source of breaks.
+    // The pin; the breaks of the system come beside it (`system_breaks`).
     timer.af1().write(|breaks| breaks.set_bkine(true));
     // MOE = 0: off. Off means driven to the inactive level, not left floating: then all outputs are low (the reset value of
     // OISx and OISxN). AOE = 0: nothing comes on by itself.
@@ -73,7 +76,7 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
     // Period and duty (0) are taken over by an update.
     timer.egr().write(|events| events.set_ug(true));
     timer.cr1().modify(|control| control.set_cen(true));
-    let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS };
+    let limits = Limits { code: DRIVE_MAX_CODE, dead_time: DEAD_TIME_COUNTS, brakes: true };
     let Ok(bridge) = SignMagnitude::new(Magnitude, Direction, Enable { input, lamp }, limits) else {
         panic!("the drive's constants do not fit each other");
     };
@@ -85,17 +88,19 @@ pub fn open_all_switches() {
     pac::TIM1.bdtr().modify(|break_and_dead_time| break_and_dead_time.set_moe(false));
 }
 
-/// Whether the break input has switched off since it was last asked, or does so now.
-pub fn take_break() -> bool {
-    let tripped = pac::TIM1.sr().read().bif(0);
-    if tripped {
-        // All flags but this one keep their value when 1 is written. It is set again at once while the input is active.
+/// What has switched TIM1 off since it was last asked, or does so now: the pin, or a break of the system.
+pub fn take_break() -> Option<Trip> {
+    let flags = pac::TIM1.sr().read();
+    let (pin, system) = (flags.bif(0), flags.sbif());
+    if pin || system {
+        // All flags but these keep their value when 1 is written. One is set again at once while its cause lasts.
         pac::TIM1.sr().write(|flags| {
             flags.0 = u32::MAX;
             flags.set_bif(0, false);
+            flags.set_sbif(false);
         });
     }
-    tripped
+    if system { Some(SYSTEM_BREAK) } else { pin.then_some(BREAK_PIN) }
 }
 
 impl pwm::ErrorType for Magnitude {

@@ -4,7 +4,7 @@
 use embassy_stm32::interrupt::Priority;
 use embassy_stm32::pac::timer::vals::{Bkp, FilterValue};
 
-use crate::board::FULL_SCALE;
+use crate::board::{FULL_SCALE, Trip};
 
 /// What the board calls itself on the link.
 pub const NAME: &str = "nucleo-g474re";
@@ -46,8 +46,13 @@ pub const BREAK_LEVEL: Bkp = Bkp::ACTIVE_HIGH;
 /// The break input must stay for 8 samples at 1/8 of the core clock, 0.38 µs: longer than the spikes of a switching leg,
 /// a tenth of what a short circuit takes to destroy a transistor.
 pub const BREAK_FILTER: FilterValue = FilterValue::FDTS_DIV8_N8;
-/// What a trip of the break input is called in the fault record.
-pub const BREAK_NUMBER: i32 = 1;
+/// What is wired to the break input (D12). Where that is the fault output of the power stage: `Trip::Break(1)`.
+pub const BREAK_PIN: Trip = Trip::EmergencyStop;
+/// What the controller's own breaks are called in the fault record: clock failure, lock-up of the core, supply.
+pub const SYSTEM_BREAK: Trip = Trip::Break(2);
+/// The supply of the controller below which TIM1 switches off (RM0440, programmable voltage detector, PLS): about 2.8 V. Below the
+/// 3.3 V of the board with its tolerance, above the 1.7 V at which the reset comes.
+pub const SUPPLY_LEVEL: u8 = 0b101;
 /// The alternate function that is TIM1 on PA6 to PA9 and PB0 (DS12288, alternate function mapping).
 pub const TIM1_FUNCTION: u8 = 6;
 /// That which is TIM2 on PA0 and PA1.

@@ -1,12 +1,18 @@
 //! The quadrature encoder on TIM2 in encoder mode: 32 bits, four counts per line.
 
-use core::convert::Infallible;
-
 use embassy_stm32::pac;
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Sms};
 
 use super::constants::ENCODER_FILTER;
 use crate::board::Encoder;
+
+/// TIM2_SR, TERRF: both channels have changed at once, so that the count is off (RM0440, TIM2, encoder error management). The crate
+/// of the registers does not name it.
+const TRANSITION_ERROR: u32 = 1 << 23;
+
+/// Both channels have changed at once: a count was lost or added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TransitionError;
 
 /// The counter.
 pub struct Quadrature(());
@@ -29,9 +35,14 @@ impl Quadrature {
 }
 
 impl Encoder for Quadrature {
-    type Error = Infallible;
+    type Error = TransitionError;
 
-    fn count(&mut self) -> Result<i32, Infallible> {
+    fn count(&mut self) -> Result<i32, TransitionError> {
+        if pac::TIM2.sr().read().0 & TRANSITION_ERROR != 0 {
+            // Flags written as 1 keep their value.
+            pac::TIM2.sr().write(|flags| flags.0 = !TRANSITION_ERROR);
+            return Err(TransitionError);
+        }
         Ok(pac::TIM2.cnt().read().cast_signed())
     }
 }

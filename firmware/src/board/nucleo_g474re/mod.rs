@@ -13,7 +13,7 @@ mod ticks;
 
 pub use bridge::{Bridge, open_all_switches};
 pub use clock::Microseconds;
-pub use encoder::Quadrature;
+pub use encoder::{Quadrature, TransitionError};
 pub use flash::{FlashError, SettingsFlash, acknowledge_ecc};
 pub use protection::Guard;
 pub use retained::RetainedRam;

@@ -4,12 +4,30 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
 use super::bridge::take_break;
-use super::constants::{BREAK_NUMBER, WATCHDOG_RELOAD};
+use super::constants::{SUPPLY_LEVEL, WATCHDOG_RELOAD};
 use crate::board::{Protection, Trip};
 
 /// What protects the machine.
 pub struct Guard {
     watchdog_reset: bool,
+}
+
+/// What switches TIM1 off beside the pin, whatever the program does: the break of the system (RM0440, TIM1, using the break function).
+/// Once; the clocks of SYSCFG and PWR are on.
+pub(super) fn system_breaks() {
+    // A crystal that stops: the clock security system. It also raises the NMI, whose handler resets (RM0440, RCC, CSS).
+    pac::RCC.cr().modify(|clocks| clocks.set_csson(true));
+    // The controller's supply (RM0440, PWR, programmable voltage detector).
+    pac::PWR.cr2().modify(|detector| {
+        detector.set_pls(SUPPLY_LEVEL);
+        detector.set_pvde(true);
+    });
+    // A core that has locked up in its fault handler, and the supply (RM0440, SYSCFG_CFGR2). Both stay until the next reset. Not
+    // the flash's double errors: the store reads what a power cut has left.
+    pac::SYSCFG.cfgr2().modify(|breaks| {
+        breaks.set_cll(true);
+        breaks.set_pvdl(true);
+    });
 }
 
 impl Guard {
@@ -27,7 +45,7 @@ impl Guard {
 
 impl Protection for Guard {
     fn tripped(&mut self) -> Option<Trip> {
-        take_break().then_some(Trip::Break(BREAK_NUMBER))
+        take_break()
     }
 
     fn watchdog_reset(&self) -> bool {

@@ -11,7 +11,7 @@ use super::clock::Microseconds;
 use super::constants::{CRYSTAL_HZ, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
-use super::protection::Guard;
+use super::protection::{Guard, system_breaks};
 use super::retained::RetainedRam;
 use super::serial::Serial;
 use super::ticks::TickTimer;
@@ -40,6 +40,7 @@ pub fn start() -> Parts {
     pac::DBGMCU.apb1lfzr().modify(|freeze| freeze.set_iwdg(true));
 
     clocks();
+    system_breaks();
 
     // PA6, D12: break input.
     function(p.PA6, TIM1_FUNCTION, AfType::input(Pull::Up));
@@ -83,7 +84,11 @@ fn clocks() {
         clocks.set_tim6en(true);
     });
     pac::RCC.apb1enr2().modify(|clocks| clocks.set_lpuart1en(true));
-    pac::RCC.apb2enr().modify(|clocks| clocks.set_tim1en(true));
+    pac::RCC.apb2enr().modify(|clocks| {
+        clocks.set_tim1en(true);
+        clocks.set_syscfgen(true);
+    });
+    pac::RCC.apb1enr1().modify(|clocks| clocks.set_pwren(true));
     // Two clocks must pass before the first access (RM0440, peripheral clock enable).
     pac::RCC.apb2enr().read();
 }

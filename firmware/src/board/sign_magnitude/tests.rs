@@ -93,7 +93,7 @@ impl OutputPin for Pin {
     }
 }
 
-const FREE: Limits = Limits { code: FULL_SCALE, dead_time: 0 };
+const FREE: Limits = Limits { code: FULL_SCALE, dead_time: 0, brakes: true };
 
 fn enabled(stage: &Stage, full_duty: u16, limits: Limits) -> Fake {
     let mut drive = stage.drive(full_duty, limits).unwrap();
@@ -136,7 +136,7 @@ fn a_reversal_passes_through_zero_duty() {
 #[test]
 fn beyond_the_limit_it_saturates_and_says_so() {
     let stage = Stage::default();
-    let mut drive = enabled(&stage, 32_767, Limits { code: 10_000, dead_time: 0 });
+    let mut drive = enabled(&stage, 32_767, Limits { code: 10_000, dead_time: 0, brakes: true });
     assert_eq!(drive.apply(i32::MAX), Ok(Applied { code: 10_000, limited: true }));
     assert_eq!(drive.apply(i32::MIN), Ok(Applied { code: -10_000, limited: true }));
     assert_eq!(drive.apply(10_000), Ok(Applied { code: 10_000, limited: false }));
@@ -145,7 +145,7 @@ fn beyond_the_limit_it_saturates_and_says_so() {
 #[test]
 fn dead_time_and_quantisation_are_in_what_was_applied() {
     let stage = Stage::default();
-    let mut drive = enabled(&stage, 100, Limits { code: FULL_SCALE, dead_time: 4 });
+    let mut drive = enabled(&stage, 100, Limits { code: FULL_SCALE, dead_time: 4, brakes: true });
     // 16384/32767 of 100 counts is 50; the pulse is 46 counts long: 46·32767/100 = 15072.8.
     assert_eq!(drive.apply(16_384).unwrap().code, 15_073);
     assert_eq!(drive.apply(-16_384).unwrap().code, -15_073);
@@ -158,7 +158,7 @@ fn dead_time_and_quantisation_are_in_what_was_applied() {
 #[test]
 fn settings_out_of_range_are_named() {
     let stage = Stage::default();
-    let error = |full_duty, code, dead_time| stage.drive(full_duty, Limits { code, dead_time }).err();
+    let error = |full_duty, code, dead_time| stage.drive(full_duty, Limits { code, dead_time, brakes: true }).err();
     assert_eq!(error(1000, 0, 0), Some(ConfigError::Code));
     assert_eq!(error(1000, -5, 0), Some(ConfigError::Code));
     assert_eq!(error(0, FULL_SCALE, 0), Some(ConfigError::Code));
@@ -197,7 +197,7 @@ proptest! {
         command in -40_000..40_000i32,
     ) {
         let stage = Stage::default();
-        if let Ok(mut drive) = stage.drive(full_duty, Limits { code, dead_time }) {
+        if let Ok(mut drive) = stage.drive(full_duty, Limits { code, dead_time, brakes: true }) {
             drive.enable().unwrap();
             let applied = drive.apply(command).unwrap();
             let mirrored = drive.apply(-command).unwrap();
@@ -209,5 +209,21 @@ proptest! {
             let excess = f64::from(applied.code.unsigned_abs()) - f64::from(command.unsigned_abs());
             prop_assert!(excess <= half_count + 0.5);
         }
+    }
+}
+
+/// Braking leaves the stage on without duty, and lets no command through; a stage that cannot brake is off.
+#[test]
+fn braking_is_no_drive() {
+    for brakes in [true, false] {
+        let stage = Stage::default();
+        let mut drive = enabled(&stage, 32_767, Limits { brakes, ..FREE });
+        drive.apply(20_000).unwrap();
+        stage.taken();
+        drive.brake().unwrap();
+        let on = stage.taken();
+        assert!(on.contains(&Set::Enable(brakes)) && on.contains(&Set::Duty(0)), "{on:?}");
+        assert_eq!(drive.apply(20_000), Ok(Applied::default()));
+        assert_eq!(stage.taken(), []);
     }
 }

@@ -78,12 +78,13 @@ impl Board {
             "damaged_frames": status.bad_frames,
             "late_ticks": status.overruns,
             "unsaved": status.unsaved,
+            "zero_needed": status.zero_needed,
         });
         let units = &self.scale.units;
         self.output.print(&document, |_| {
             format!(
                 "mode        {}\nposition    {position:.6} {}\ndrive       {drive:.4} {}\ntick        {}\nstream      {}\n\
-                 dropped     {} samples\ndamaged     {} frames\nlate        {} ticks\nunsaved     {}",
+                 dropped     {} samples\ndamaged     {} frames\nlate        {} ticks\nunsaved     {}\nzero        {}",
                 status.mode.name(),
                 units.x,
                 units.u,
@@ -93,11 +94,12 @@ impl Board {
                 status.bad_frames,
                 status.overruns,
                 if status.unsaved { "settings or model changed since they were saved" } else { "nothing" },
+                if status.zero_needed { "needed: the travel limits count from one" } else { "not needed" },
             )
         })
     }
 
-    fn read_settings(&mut self) -> Result<Settings, DeviceError> {
+    pub(super) fn read_settings(&mut self) -> Result<Settings, DeviceError> {
         match self.client.request(Command::GetSettings)? {
             Reply::Settings(settings) => Ok(settings),
             _ => Err(DeviceError::Nonsense { command: "settings get" }),

@@ -57,6 +57,7 @@ fn running() -> State {
         bad_frames: 0,
         overruns: 0,
         unsaved: true,
+        zero_needed: false,
     };
     state.take(&Message::Reply { id: 3, reply: Reply::Status(status) });
     state.traffic(Duration::from_secs(6), 12_000, 2);

@@ -15,6 +15,8 @@ pub enum Fault {
     TickLate(u32),
     /// The break input, with a number.
     Break(i32),
+    /// The emergency stop is open.
+    EmergencyStop,
     /// The supply is at this voltage, mV.
     Supply(i32),
     /// The board is reset; the plant goes on.
@@ -35,7 +37,7 @@ pub enum Fault {
 pub const MOST_GARBAGE: u16 = 2048;
 
 /// What can be injected, for messages and help.
-pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, supply=MV, \
+pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, emergency-stop, supply=MV, \
                           reset, garbage=BYTES (at most 2048), host-gone, link-noise=PPM (at most 100000), \
                           corrupt-flash (at tick 0), healed";
 
@@ -74,6 +76,7 @@ impl FromStr for Injection {
             ("encoder-dead", "") => Fault::EncoderDead,
             ("tick-late", _) => Fault::TickLate(number.parse().map_err(|_| wrong())?),
             ("break", _) => Fault::Break(signed()?),
+            ("emergency-stop", "") => Fault::EmergencyStop,
             ("supply", _) => Fault::Supply(signed()?),
             ("reset", "") => Fault::Reset,
             ("garbage", _) => Fault::Garbage(number.parse().ok().filter(|n| *n <= MOST_GARBAGE).ok_or_else(wrong)?),

@@ -264,6 +264,7 @@ impl Runner {
             Fault::EncoderDead => self.lockstep.condition(4, 1)?,
             Fault::TickLate(us) => self.lockstep.condition(0, us.cast_signed())?,
             Fault::Break(number) => self.lockstep.condition(1, number)?,
+            Fault::EmergencyStop => self.lockstep.condition(5, 1)?,
             Fault::Supply(millivolts) => self.lockstep.condition(2, millivolts)?,
             Fault::Reset => self.qemu.reset()?,
             Fault::Garbage(bytes) => self.qemu.garbage(bytes)?,

@@ -1,8 +1,7 @@
 //! The gap against numbers worked out by hand, and every bound of what is decided on it, from both sides.
 
 use super::*;
-use crate::fit::Candidate;
-use crate::fit::track::Track;
+use crate::fit::{Candidate, Track};
 use breakaway_core::plant::Base;
 
 /// Far from every bound: a gap that an effect can explain.
@@ -48,6 +47,7 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
         segment_s: SEGMENT as f64 * TS,
         sigma: SIGMA,
         available: n / segment,
+        unsure_s: 0.0,
         softening: 0.0,
         work: std::sync::Arc::default(),
     };

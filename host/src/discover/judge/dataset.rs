@@ -32,6 +32,8 @@ pub struct Dataset {
     pub recordings: usize,
     /// Whether time runs on from each recording to the next, so that effects of session time can be asked for.
     pub shared_clock: bool,
+    /// Delays up to which a sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    pub unsure_s: f64,
 }
 
 /// Gap that ends a piece: so many seconds, and so many intervals.
@@ -46,7 +48,8 @@ impl Dataset {
             pair[1].t.first().is_some_and(|first| *first >= end)
         });
         let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
-        Self { pieces, recordings: recordings.len(), shared_clock: starts }
+        let unsure_s = recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max);
+        Self { pieces, recordings: recordings.len(), shared_clock: starts, unsure_s }
     }
 }
 

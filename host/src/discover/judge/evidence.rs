@@ -3,7 +3,7 @@
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Weights};
-use super::term::{Name, Sign, Term};
+use super::term::{Sign, Term};
 use super::weak_form::WeakForm;
 
 /// Gains of one side.
@@ -203,18 +203,17 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
         Sign::Any => true,
         Sign::Positive => value > 0.0,
     };
-    let too_large = term.name == Name::Effect(breakaway_core::plant::Kind::LoadFriction) && *u >= 1.0;
-    !within(*u) || !within(*a) || too_large
+    !within(*u) || !within(*a)
 }
 
 /// Residual energy of side U over that of a fit without the motion: a mean and a direction.
 pub fn floor_ratio(form: &WeakForm<'_>, fitted: &Fitted) -> f64 {
-    let direction = form.means(&form.direction);
+    let direction = &form.row_direction;
     let u = &fitted.u.target;
     let n = u.len() as f64;
     let (su, sd) = (u.iter().sum::<f64>() / n, direction.iter().sum::<f64>() / n);
     let (mut cross, mut square, mut total) = (0.0, 0.0, 0.0);
-    for (u, d) in u.iter().zip(&direction) {
+    for (u, d) in u.iter().zip(direction) {
         cross += (u - su) * (d - sd);
         square += (d - sd).powi(2);
         total += (u - su).powi(2);

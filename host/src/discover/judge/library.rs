@@ -1,5 +1,7 @@
 //! Columns of every effect that the judge knows, and of the decoys that stand for something else.
 
+use std::sync::Arc;
+
 use breakaway_core::plant::Kind;
 
 use super::sides::{Fitted, Model, Weights};
@@ -15,8 +17,16 @@ const LEAST_LEFT: f64 = 0.1;
 const LEAST_TURNS: f64 = 2.0;
 /// Angular frequencies of second bodies that are tried.
 const BODIES: usize = 27;
+/// Shares of the drive that a friction by load may take: less is no friction of gears, and at all of it nothing would move.
+const LEAST_LOAD: f64 = 0.01;
+const MOST_LOAD: f64 = 0.9;
 /// Most recordings that may each have a phase of their own.
 const MOST_PHASES: usize = 12;
+
+/// Whether columns of a window stand for an effect. What holds at rest, and what strikes, acts in less than a window.
+pub const fn weighs(kind: Kind) -> bool {
+    !matches!(kind, Kind::Stiction | Kind::Backlash)
+}
 
 /// What the columns are made of.
 pub struct Library<'a> {
@@ -133,9 +143,9 @@ impl<'a> Library<'a> {
             let columns = fields.into_iter();
             let mut term = effect(kind, Vec::new());
             term.u = if kind == Kind::EncoderEccentricity {
-                columns.map(Column::Displacement).collect()
+                columns.map(Column::displacement).collect()
             } else {
-                columns.map(Column::Force).collect()
+                columns.map(Column::force).collect()
             };
             // Amplitude and phase, however many recordings have a phase of their own.
             term.size = 2;
@@ -185,8 +195,8 @@ impl<'a> Library<'a> {
 
     fn periodic(&self) -> Vec<Term> {
         let form = self.form;
-        let direction = form.means(&form.direction);
-        let signed: Vec<f64> = self.residual.iter().zip(&direction).map(|(r, s)| r * s).collect();
+        let direction = &form.row_direction;
+        let signed: Vec<f64> = self.residual.iter().zip(direction).map(|(r, s)| r * s).collect();
         let mut terms = Vec::new();
         let seen = |k: &f64| self.turns_seen(*k) >= LEAST_TURNS;
         for k in peaks(form, self.residual, self.weights, Over::Position, LINES).into_iter().filter(seen) {
@@ -258,7 +268,7 @@ impl<'a> Library<'a> {
                 // Twice the critical damping is no resonance any more, but something that yields.
                 let name = if zeta > 1.0 { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
                 let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
-                term.u = vec![Column::Displacement(self.load(omega, zeta))];
+                term.u = vec![Column::displacement(self.load(omega, zeta))];
                 term.body = Some([omega, zeta]);
                 terms.push(term.signed(Sign::Positive));
             }
@@ -329,12 +339,14 @@ impl<'a> Library<'a> {
         if !self.drive_varies() {
             return terms;
         }
-        let of = |drive: &Field| self.field(|s| drive[s.piece][s.k].abs() * s.direction);
-        let mut load = effect(Kind::LoadFriction, vec![of(&self.predicted)]).signed(Sign::Positive);
-        load.a = vec![Column::Force(of(&self.arrived))];
-        load.holds_drive = true;
-        terms.push(load);
-        if has(|a| !matches!(a, Arrival::Delay(_) | Arrival::Lag(_))) {
+        if !has(|a| matches!(a, Arrival::Load(_))) {
+            let mut k = LEAST_LOAD;
+            while k < MOST_LOAD {
+                terms.push(arriving(Kind::LoadFriction, Arrival::Load(k), &[k]));
+                k *= 1.3;
+            }
+        }
+        if has(|a| !matches!(a, Arrival::Delay(_) | Arrival::Lag(_) | Arrival::Load(_))) {
             return terms;
         }
         let largest = self.largest_drive;
@@ -368,7 +380,7 @@ impl<'a> Library<'a> {
         if self.drive_varies() {
             let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
             let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
-            term.a = vec![Column::Force(of(&self.arrived))];
+            term.a = vec![Column::force(of(&self.arrived))];
             term.holds_drive = true;
             terms.push(term);
         }
@@ -384,8 +396,8 @@ impl<'a> Library<'a> {
             let after =
                 |values: &[f64]| values.iter().zip(&times).map(|(a, t)| if *t > instant { *a } else { 0.0 }).collect();
             let mut term = effect(Kind::InertiaStep, Vec::new()).with(1, instant);
-            term.u = vec![Column::Windows(after(&form.row_a))];
-            term.a = vec![Column::Windows(after(&self.predicted_a))];
+            term.u = vec![Column::Windows(Arc::new(after(&form.row_a)))];
+            term.a = vec![Column::Windows(Arc::new(after(&self.predicted_a)))];
             terms.push(term);
         }
         terms
@@ -418,7 +430,7 @@ impl<'a> Library<'a> {
                 self.field(|s| if class(&places, s.x) / 3 == i { drive[s.piece][s.k] } else { 0.0 })
             };
             let mut term = decoy("gain over position", (1..4).map(|i| gain(&self.predicted, i)).collect());
-            term.a = (1..4).map(|i| Column::Force(gain(&self.arrived, i))).collect();
+            term.a = (1..4).map(|i| Column::force(gain(&self.arrived, i))).collect();
             terms.push(term);
         }
         if (2..=MOST_PHASES).contains(&form.dataset.recordings) {

@@ -1,5 +1,7 @@
 //! Cross-validated weighted least squares over the windows.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::weak_form::WeakForm;
@@ -9,11 +11,11 @@ const RIDGE: f64 = 1e-9;
 
 /// A linear model of one side: what is explained, and by what.
 #[derive(Clone, Debug)]
-pub struct Design {
+pub struct Design<'a> {
     /// The explained quantity in every window.
-    pub target: Vec<f64>,
+    pub target: &'a [f64],
     /// Columns.
-    pub columns: Vec<Vec<f64>>,
+    pub columns: Vec<Cow<'a, [f64]>>,
 }
 
 /// A design's fit.
@@ -27,24 +29,25 @@ pub struct Fit {
     pub residual: Vec<f64>,
 }
 
-impl Design {
+impl Design<'_> {
     /// Fits it with `weights` on the residuals; `None` where the columns say nothing.
     pub fn fit(&self, form: &WeakForm<'_>, weights: &[f64], folds: usize) -> Option<Fit> {
-        let (n, p) = (self.target.len(), self.columns.len());
+        let columns: Vec<&[f64]> = self.columns.iter().map(|column| &**column).collect();
+        let (n, p) = (self.target.len(), columns.len());
         let folds = folds.min(form.blocks);
         // A column of other windows cannot be used in these.
-        let foreign = self.columns.iter().any(|column| column.len() != n);
+        let foreign = columns.iter().any(|column| column.len() != n);
         if foreign || n < 4 * p + 8 || folds < 2 {
             return None;
         }
-        let scale: Vec<f64> = self.columns.iter().map(|c| rms(c)).collect();
+        let scale: Vec<f64> = columns.iter().map(|c| rms(c)).collect();
         if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
             return None;
         }
         let mut grams = vec![DMatrix::<f64>::zeros(p + 1, p + 1); folds];
         let mut z = vec![0.0; p + 1];
         for (i, row) in form.rows.iter().enumerate() {
-            for ((z, column), scale) in z.iter_mut().zip(&self.columns).zip(&scale) {
+            for ((z, column), scale) in z.iter_mut().zip(&columns).zip(&scale) {
                 *z = weights[i] * column[i] / scale;
             }
             z[p] = weights[i] * self.target[i];
@@ -60,7 +63,7 @@ impl Design {
         let of_folds: Vec<DVector<f64>> =
             grams.iter().map(|gram| Some(solve(&(&all - gram), p)?.0)).collect::<Option<_>>()?;
         let predicted = |coefficients: &DVector<f64>, i: usize| -> f64 {
-            coefficients.iter().zip(&self.columns).zip(&scale).map(|((c, column), s)| c * column[i] / s).sum()
+            coefficients.iter().zip(&columns).zip(&scale).map(|((c, column), s)| c * column[i] / s).sum()
         };
         let residual: Vec<f64> = form
             .rows
@@ -75,7 +78,7 @@ impl Design {
         let mut scores = DMatrix::<f64>::zeros(form.blocks, p);
         for (i, row) in form.rows.iter().enumerate() {
             let own = weights[i] * weights[i] * (self.target[i] - predicted(&coefficients, i));
-            for (j, (column, s)) in self.columns.iter().zip(&scale).enumerate() {
+            for (j, (column, s)) in columns.iter().zip(&scale).enumerate() {
                 scores[(row.block, j)] += own * column[i] / s;
             }
         }

@@ -201,6 +201,11 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
                 index += 1;
                 continue;
             }
+            // A delay within the interval at which the position is read is that clock's: it stays in the model, and is no name.
+            if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
+                index += 1;
+                continue;
+            }
             if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
                 let tied = tied.iter().filter_map(|name| {
                     let Name::Effect(kind) = name else { return None };

@@ -1,6 +1,8 @@
 //! The two regressions: the drive on the motion (U), which noise in the acceleration biases, and the acceleration on the drive (A),
 //! which noise in the drive biases. A physical effect improves both, and both say the same force.
 
+use std::borrow::Cow;
+
 use super::regression::{Design, Fit, rms};
 use super::settings::Settings;
 use super::term::{Arrival, Column, Term};
@@ -106,8 +108,9 @@ impl Model {
     pub fn arrived(&self, form: &WeakForm<'_>) -> Field {
         let mut drive: Field = form.dataset.pieces.iter().map(|p| p.u.clone()).collect();
         for arrival in self.terms.iter().filter_map(|term| term.drive) {
-            for ((u, v), piece) in drive.iter_mut().zip(&form.v).zip(&form.dataset.pieces) {
-                *u = arrive(u, v, piece.h_s, arrival);
+            let motion = form.v.iter().zip(&form.direction).zip(&form.dataset.pieces);
+            for (u, ((v, direction), piece)) in drive.iter_mut().zip(motion) {
+                *u = arrive(u, (v, direction), piece.h_s, arrival);
             }
         }
         drive
@@ -115,59 +118,66 @@ impl Model {
 
     /// Fits both sides; `None` where one of them cannot be.
     pub fn fit(&self, form: &WeakForm<'_>, weights: &Weights, settings: &Settings) -> Option<Fitted> {
-        let u = self.fit_u(form, &weights.u, settings)?;
-        let a = self.fit_a(form, &weights.a, &u, settings)?;
+        let drive = self.terms.iter().any(|term| term.drive.is_some()).then(|| self.arrived(form));
+        let row_u = drive.as_ref().map_or(Cow::Borrowed(&form.row_u[..]), |drive| Cow::Owned(form.means(drive)));
+        let u = self.fit_u(form, &weights.u, &row_u, settings)?;
+        let a = self.fit_a(form, &weights.a, (row_u, drive), &u, settings)?;
         Some(Fitted { u, a })
     }
 
     /// Fits it in windows of another width, rows weighted alike; second bodies and ripples stay as they are.
     pub fn refitted(&self, form: &WeakForm<'_>, settings: &Settings) -> Option<Fitted> {
-        self.fit(form, &Weights::equal(form), settings)
+        let model = Self { terms: self.terms.iter().map(Term::afresh).collect() };
+        model.fit(form, &Weights::equal(form), settings)
     }
 
-    fn fit_u(&self, form: &WeakForm<'_>, weights: &[f64], settings: &Settings) -> Option<Side> {
-        let target = if self.terms.iter().any(|t| t.drive.is_some()) {
-            form.means(&self.arrived(form))
-        } else {
-            form.row_u.clone()
-        };
-        let mut columns = vec![form.row_a.clone(), form.row_v.clone()];
+    fn fit_u(&self, form: &WeakForm<'_>, weights: &[f64], row_u: &[f64], settings: &Settings) -> Option<Side> {
+        let mut columns: Vec<Cow<'_, [f64]>> = vec![form.row_a[..].into(), form.row_v[..].into()];
         if !self.replaced() {
-            columns.push(form.means(&form.direction));
+            columns.push(form.row_direction[..].into());
         }
-        for column in self.terms.iter().flat_map(|term| &term.u) {
-            columns.push(rows(form, column, None));
-        }
-        let design = Design { target, columns };
+        columns.extend(self.terms.iter().flat_map(|term| &term.u).map(|column| rows(form, column, None)));
+        let design = Design { target: row_u, columns };
         let fit = design.fit(form, weights, settings.folds)?;
         let b = fit.coefficients[0];
-        Some(self.side(b, 1.0, &design, &fit, |term| term.u.len()))
+        Some(self.side(b, 1.0, &design, fit, |term| term.u.len()))
     }
 
-    fn fit_a(&self, form: &WeakForm<'_>, weights: &[f64], u: &Side, settings: &Settings) -> Option<Side> {
+    fn fit_a(
+        &self,
+        form: &WeakForm<'_>,
+        weights: &[f64],
+        (row_u, drive): (Cow<'_, [f64]>, Option<Field>),
+        u: &Side,
+        settings: &Settings,
+    ) -> Option<Side> {
         let body = self.terms.iter().zip(&u.amplitudes).find_map(|(term, amplitudes)| {
             let [omega, zeta] = term.body?;
             Some([omega, zeta, amplitudes.first()? / u.b])
         });
-        let drive = self.arrived(form);
-        let mut columns = vec![rows(form, &Column::Force(drive), body)];
-        columns.push(body.map_or_else(|| form.row_v.clone(), |_| rows(form, &Column::Force(form.v.clone()), body)));
-        if !self.replaced() {
-            columns.push(rows(form, &Column::Force(form.direction.clone()), body));
+        let mut columns: Vec<Cow<'_, [f64]>> = if let Some(body) = body {
+            let drive = drive.unwrap_or_else(|| self.arrived(form));
+            let moved = |field: &Field| Cow::Owned(form.means(&through(form, field, body)));
+            [&drive, &form.v, &form.direction].map(moved).into()
+        } else {
+            vec![row_u, form.row_v[..].into(), form.row_direction[..].into()]
+        };
+        if self.replaced() {
+            columns.truncate(2);
         }
         for term in self.terms.iter().filter(|term| term.body.is_none()) {
             let own = if term.a.is_empty() { &term.u } else { &term.a };
             columns.extend(own.iter().map(|column| rows(form, column, body)));
         }
-        let design = Design { target: form.row_a.clone(), columns };
+        let design = Design { target: &form.row_a, columns };
         let fit = design.fit(form, weights, settings.folds)?;
         let b = 1.0 / fit.coefficients[0];
         let count = |term: &Term| if term.body.is_some() { 0 } else { term.u.len() };
-        Some(self.side(b, -b, &design, &fit, count))
+        Some(self.side(b, -b, &design, fit, count))
     }
 
     /// Coefficients as forces: `factor` makes drive units of them, the sign of side U.
-    fn side(&self, b: f64, factor: f64, design: &Design, fit: &Fit, count: impl Fn(&Term) -> usize) -> Side {
+    fn side(&self, b: f64, factor: f64, design: &Design<'_>, fit: Fit, count: impl Fn(&Term) -> usize) -> Side {
         let known = if self.replaced() { 2 } else { 3 };
         let (mut amplitudes, mut errors, mut forces) = (Vec::new(), Vec::new(), Vec::new());
         let mut at = known;
@@ -177,7 +187,7 @@ impl Model {
             errors.push(fit.standard_errors[range.clone()].iter().map(|s| s * factor.abs()).collect());
             let mut force = vec![0.0; design.target.len()];
             for (amplitude, column) in own.iter().zip(&design.columns[range.clone()]) {
-                for (force, g) in force.iter_mut().zip(column) {
+                for (force, g) in force.iter_mut().zip(column.iter()) {
                     *force += amplitude * g;
                 }
             }
@@ -196,8 +206,8 @@ impl Model {
             amplitudes,
             errors,
             forces,
-            residual: fit.residual.clone(),
-            target: design.target.clone(),
+            residual: fit.residual,
+            target: design.target.to_vec(),
         }
     }
 
@@ -208,7 +218,7 @@ impl Model {
         for (term, amplitudes) in self.terms.iter().zip(&u.amplitudes) {
             for (column, amplitude) in term.u.iter().zip(amplitudes) {
                 let Column::Force(field) = column else { continue };
-                for (drive, g) in drive.iter_mut().zip(field) {
+                for (drive, g) in drive.iter_mut().zip(&field.field) {
                     for (u, g) in drive.iter_mut().zip(g) {
                         *u += amplitude * g;
                     }
@@ -220,12 +230,12 @@ impl Model {
 }
 
 /// A column in every window; on side A of a model with a second body, what is left of it there.
-pub fn rows(form: &WeakForm<'_>, column: &Column, body: Option<[f64; 3]>) -> Vec<f64> {
+pub fn rows<'a>(form: &WeakForm<'_>, column: &'a Column, body: Option<[f64; 3]>) -> Cow<'a, [f64]> {
     match (column, body) {
-        (Column::Force(field), None) => form.means(field),
-        (Column::Force(field), Some(body)) => form.means(&through(form, field, body)),
-        (Column::Displacement(field), _) => form.second_derivatives(field),
-        (Column::Windows(values), _) => values.clone(),
+        (Column::Force(own), None) => own.windows.get_or_init(|| form.means(&own.field))[..].into(),
+        (Column::Force(own), Some(body)) => form.means(&through(form, &own.field, body)).into(),
+        (Column::Displacement(own), _) => own.windows.get_or_init(|| form.second_derivatives(&own.field))[..].into(),
+        (Column::Windows(values), _) => values[..].into(),
     }
 }
 
@@ -257,8 +267,8 @@ fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -
     each.collect()
 }
 
-/// The drive as it arrives.
-pub fn arrive(u: &[f64], v: &[f64], h_s: f64, arrival: Arrival) -> Vec<f64> {
+/// The drive as it arrives, of an axis that moves with velocity `v` in `direction`.
+pub fn arrive(u: &[f64], (v, direction): (&[f64], &[f64]), h_s: f64, arrival: Arrival) -> Vec<f64> {
     match arrival {
         Arrival::Delay(delay_s) => {
             let (whole, share) = {
@@ -271,6 +281,7 @@ pub fn arrive(u: &[f64], v: &[f64], h_s: f64, arrival: Arrival) -> Vec<f64> {
         }
         Arrival::Limit(limit) => u.iter().map(|u| u.clamp(-limit, limit)).collect(),
         Arrival::DeadZone(d) => u.iter().map(|u| u - u.clamp(-d, d)).collect(),
+        Arrival::Load(k) => u.iter().zip(direction).map(|(u, s)| u - k * u.abs() * s).collect(),
         Arrival::DeadTime([d, edge, emf]) => {
             u.iter().zip(v).map(|(u, v)| u - d * ((u - emf * v) / edge).clamp(-1.0, 1.0)).collect()
         }

@@ -53,9 +53,12 @@ pub fn effect(
         Kind::FlexibleCoupling => {
             vec![(amplitude(0) / (side.b + amplitude(0))).clamp(0.0, 0.98), parameter(0), parameter(1)]
         }
-        Kind::DeadZone | Kind::Saturation | Kind::PwmDeadTime | Kind::Delay | Kind::ElectricalLag => {
-            term.parameters.iter().map(|p| p.1).collect()
-        }
+        Kind::DeadZone
+        | Kind::Saturation
+        | Kind::PwmDeadTime
+        | Kind::Delay
+        | Kind::ElectricalLag
+        | Kind::LoadFriction => term.parameters.iter().map(|p| p.1).collect(),
         _ => vec![amplitude(0)],
     };
     let mut effect = Effect::new(kind, &own).canonical();

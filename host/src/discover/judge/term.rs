@@ -1,5 +1,7 @@
 //! A term of the model: what an effect, or a decoy, adds to either side of the equation of motion.
 
+use std::sync::{Arc, OnceLock};
+
 use breakaway_core::plant::Kind;
 
 use super::weak_form::Field;
@@ -23,15 +25,43 @@ impl Name {
     }
 }
 
+/// A quantity at every sample, and what it comes to in the windows of one form.
+#[derive(Debug)]
+pub struct Sampled {
+    /// At every sample.
+    pub field: Field,
+    /// In every window; made when it is first asked for.
+    pub windows: OnceLock<Vec<f64>>,
+}
+
 /// A force in every window, or at every sample where it must be filtered yet.
 #[derive(Clone, Debug)]
 pub enum Column {
     /// A force at every sample.
-    Force(Field),
+    Force(Arc<Sampled>),
     /// A displacement of the reading, whose second derivative times the inertia is the force.
-    Displacement(Field),
+    Displacement(Arc<Sampled>),
     /// A force in every window.
-    Windows(Vec<f64>),
+    Windows(Arc<Vec<f64>>),
+}
+
+impl Column {
+    /// A force at every sample.
+    pub fn force(field: Field) -> Self {
+        Self::Force(Arc::new(Sampled { field, windows: OnceLock::new() }))
+    }
+    /// A displacement of the reading at every sample.
+    pub fn displacement(field: Field) -> Self {
+        Self::Displacement(Arc::new(Sampled { field, windows: OnceLock::new() }))
+    }
+    /// The same for the windows of another form.
+    fn afresh(&self) -> Self {
+        match self {
+            Self::Force(own) => Self::force(own.field.clone()),
+            Self::Displacement(own) => Self::displacement(own.field.clone()),
+            Self::Windows(own) => Self::Windows(own.clone()),
+        }
+    }
 }
 
 /// What the amplitudes of a term may be.
@@ -79,14 +109,26 @@ pub enum Arrival {
     Limit(f64),
     /// Less this, drive units, and nothing below it.
     DeadZone(f64),
+    /// Less the friction that this share of its magnitude makes against the motion.
+    Load(f64),
     /// Less the share of this that the current i = u − Ke·v, clipped at an edge, is of the edge; drive units: d, edge, Ke.
     DeadTime([f64; 3]),
+}
+
+impl Arrival {
+    /// By how much the drive is late, s; `None` where it is not late.
+    pub const fn time_s(self) -> Option<f64> {
+        match self {
+            Self::Delay(time_s) | Self::Lag(time_s) => Some(time_s),
+            Self::Limit(_) | Self::DeadZone(_) | Self::Load(_) | Self::DeadTime(_) => None,
+        }
+    }
 }
 
 impl Term {
     /// A force that is linear in its columns' amplitudes and does not hold the drive.
     pub fn force(name: Name, fields: Vec<Field>) -> Self {
-        let u: Vec<Column> = fields.into_iter().map(Column::Force).collect();
+        let u: Vec<Column> = fields.into_iter().map(Column::force).collect();
         Self {
             name,
             parameters: Vec::new(),
@@ -106,6 +148,12 @@ impl Term {
         self.parameters.push((index, value));
         self.size += 1;
         self
+    }
+
+    /// The same for the windows of another form.
+    pub fn afresh(&self) -> Self {
+        let each = |columns: &[Column]| columns.iter().map(Column::afresh).collect();
+        Self { u: each(&self.u), a: each(&self.a), ..self.clone() }
     }
 
     /// The same with bounds on its amplitudes.

@@ -104,6 +104,8 @@ pub struct WeakForm<'a> {
     pub row_v: Vec<f64>,
     /// See `row_a`.
     pub row_u: Vec<f64>,
+    /// Mean smoothed direction in every window.
+    pub row_direction: Vec<f64>,
     /// 95th percentile of the speed.
     pub v95: f64,
     /// Standard deviation of the acceleration in a window that the sensor's noise makes.
@@ -147,6 +149,7 @@ impl<'a> WeakForm<'a> {
             row_a: Vec::new(),
             row_v: Vec::new(),
             row_u: Vec::new(),
+            row_direction: Vec::new(),
             v95,
             noise_a: 0.0,
             radians: None,
@@ -195,6 +198,7 @@ impl<'a> WeakForm<'a> {
         self.noise_a = (noise / self.rows.len().max(1) as f64).sqrt();
         let drive: Field = pieces.iter().map(|p| p.u.clone()).collect();
         self.row_u = self.means(&drive);
+        self.row_direction = self.means(&self.direction);
     }
 
     /// Mean of a quantity in every window.

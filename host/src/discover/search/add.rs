@@ -12,8 +12,7 @@ use crate::discover::data::Data;
 use crate::discover::gap::{LEFT, mean_log};
 use crate::discover::model::Model;
 use crate::discover::screen::Screen;
-use crate::fit::Fit;
-use crate::fit::track::median;
+use crate::fit::{Fit, median};
 
 /// Floor of the logarithm, as a share of the median segment's mean square: of the current model's over a part of the segments, and of
 /// the best effect's over all.

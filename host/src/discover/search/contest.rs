@@ -3,23 +3,24 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use breakaway_core::plant::Kind;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::Search;
 use super::add::{Round, add};
 use super::compare::{as_good, better, gain, has_body};
 use super::descend::LAST_ITERATIONS;
 use super::node::Node;
+use crate::discover::data::Data;
 use crate::discover::gap::Gap;
-use crate::fit::Fit;
-use crate::fit::track::median;
+use crate::discover::model::Model;
+use crate::fit::{Fit, median};
 
 /// Changes of a model per effect, at the most.
 const CHANGES: usize = 2;
 
 /// The effects that may stand in the place of `kind`: what it may be confused with, in either direction, and its special cases. Where the
 /// model is down to the noise, no second body and no law of which it is a special case: they would only fit that.
-pub(super) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kind> {
+pub(in crate::discover) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kind> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
     let comes_in = |other: Kind| {
         let alike =
@@ -103,4 +104,35 @@ fn simpler(round: &Round, node: &Node, fit: &Fit) -> bool {
         Ordering::Equal => gain(&round.data, &node.fit, fit).lambda > 0.0,
         Ordering::Greater => false,
     }
+}
+
+/// How another effect does in the place of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::discover) enum Standing {
+    /// The recordings bear it out rather than that.
+    Better,
+    /// They do not tell the two apart.
+    AsGood,
+}
+
+/// What of `kinds` does as well as the `j`-th effect of a fit in its place, or better, in the order of their costs.
+pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[Kind]) -> Vec<(Effect<f64>, Standing)> {
+    let Ok(without) = Model::of(fit).without(j).fit(&data.problem(), Some(&fit.initial), LAST_ITERATIONS) else {
+        return Vec::new();
+    };
+    // What needs an angle the judge can weigh.
+    let Some(round) = add(data, &without, kinds, median(fit.mse.clone()), false) else { return Vec::new() };
+    let standing = |own: &Fit| {
+        let extra = own.free.len().saturating_sub(fit.free.len());
+        if better(&gain(&round.data, fit, own), extra) {
+            Some(Standing::Better)
+        } else {
+            as_good(&round.data, own, fit).then_some(Standing::AsGood)
+        }
+    };
+    let tried = round.tried.iter().filter_map(|tried| {
+        let own = tried.fit.as_ref().ok()?;
+        Some((*own.candidate.effects.last()?, standing(own)?))
+    });
+    tried.collect()
 }

@@ -4,8 +4,7 @@ use breakaway_core::plant::Effect;
 
 use crate::discover::data::Data;
 use crate::discover::model::Model;
-use crate::fit::track::median;
-use crate::fit::{Candidate, Fit, FitError, Problem, Start};
+use crate::fit::{Candidate, Fit, FitError, Problem, Start, median};
 
 /// Floor of the base model's fit, as a multiple of the mean square that it leaves.
 const BASE_FLOOR: f64 = 10.0;

@@ -22,13 +22,13 @@ use breakaway_core::plant::Kind;
 use super::data::Data;
 use super::engine::radians;
 use super::model::Model;
-use crate::fit::Fit;
-use crate::fit::track::median;
+use crate::fit::{Fit, median};
 use crate::recording::Units;
 use add::{Round, add};
 use compare::{NAMING, has_body};
 use node::Node;
 
+pub(super) use contest::{Standing, confusable, stand_ins};
 pub(super) use descend::{fit_softly, settled};
 pub(super) use end::{Ended, Tie, rung};
 pub(super) use table::parameters;
@@ -50,6 +50,8 @@ pub(super) struct Search<'a> {
     data: &'a Data,
     units: &'a Units,
     base: Node,
+    /// The effects that may be added.
+    kinds: &'a [Kind],
     /// Effects of the base that were given.
     known: usize,
     /// Whether the position is an angle.
@@ -60,10 +62,10 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(data: &'a Data, units: &'a Units, base: Fit) -> Self {
+    pub(super) fn new(data: &'a Data, units: &'a Units, base: Fit, kinds: &'a [Kind]) -> Self {
         let known = base.candidate.effects.len();
         let rotary = radians(units).is_some();
-        Self { data, units, base: Node::new(data, base, known), known, rotary, first: None, remarks: Vec::new() }
+        Self { data, units, base: Node::new(data, base, known), kinds, known, rotary, first: None, remarks: Vec::new() }
     }
 
     /// Whether as much was simulated as a search may.
@@ -113,7 +115,7 @@ impl<'a> Search<'a> {
                 self.remarks.push(remark.to_owned());
                 break;
             }
-            progress(&format!("looking for effect {} among {}", parent.added() + 1, Kind::ALL.len()));
+            progress(&format!("looking for effect {} among {}", parent.added() + 1, self.kinds.len()));
             pool.extend(self.children(parent));
             if pool.iter().any(|node| node.explained(&self.base.gap)) {
                 break;
@@ -137,7 +139,7 @@ impl<'a> Search<'a> {
     /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
     /// held-out data may be right, so that both stay in the beam.
     fn children(&mut self, parent: &Node) -> Vec<Node> {
-        let Some(round) = add(self.data, &parent.fit, Kind::ALL, f64::INFINITY, self.rotary).map(Arc::new) else {
+        let Some(round) = add(self.data, &parent.fit, self.kinds, f64::INFINITY, self.rotary).map(Arc::new) else {
             return Vec::new();
         };
         if parent.added() == 0 {

@@ -36,7 +36,8 @@ pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>
     let sample_s = data.tracks.iter().map(|track| track.ts).fold(0.0, f64::max);
     let late = |role| matches!(role, Role::Delay | Role::TimeConstant);
     let brief = |effect: &Effect<f64>| {
-        effect.kind.acts_in() == ActsIn::Drive && any(effect, late, |time_s| time_s < LEAST_OF_A_SAMPLE * sample_s)
+        effect.kind.acts_in() == ActsIn::Drive
+            && any(effect, late, |time_s| time_s < (LEAST_OF_A_SAMPLE * sample_s).max(data.unsure_s))
     };
     if candidate.effects.iter().any(brief) {
         return Err("became shorter than the recordings' time stamps tell".to_owned());

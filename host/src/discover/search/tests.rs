@@ -25,6 +25,7 @@ fn data() -> Data {
         segment_s: 0.4,
         sigma: 1.0,
         available: SEGMENTS,
+        unsure_s: 0.0,
         softening: 0.0,
         work: std::sync::Arc::default(),
     }

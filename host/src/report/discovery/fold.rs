@@ -6,7 +6,7 @@ use breakaway_core::plant::effect::{ActsIn, Instant, Over, Search};
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use crate::discover::outcome::Discovery;
-use crate::fit::track::Track;
+use crate::fit::Track;
 use crate::recording::Recording;
 
 /// Bins of a period: 15° of the wave each.

@@ -44,6 +44,7 @@ pub fn status(mode: Mode) -> Reply {
         bad_frames: 0,
         overruns: 0,
         unsaved: false,
+        zero_needed: false,
     })
 }
 

@@ -1,5 +1,7 @@
 //! Each way in which a board cannot be reached has a message of its own.
 
+use std::sync::{Arc, Mutex};
+
 use breakaway_core::link::*;
 
 use super::peer::{Peer, Then, breakaway, failure, frame, info, reply};
@@ -106,4 +108,48 @@ fn info_is_a_document() {
     // The decimal that was meant, not its nearest single-precision number.
     assert_eq!(document["position_per_count"], 0.001);
     assert_eq!((document["board"].as_str(), document["tick_hz"].as_u64()), (Some("script"), Some(1000)));
+}
+
+/// What `jog`, `home` and `zero` ask of the board, and what they make of its answers.
+#[test]
+fn pushes_and_zeroes() {
+    let asked = Arc::new(Mutex::new(Vec::new()));
+    let seen = Arc::clone(&asked);
+    let peer = Peer::new(Vec::new(), move |Request { id, command }| {
+        let mut bytes = frame(&Message::Reply { id, reply: reply(&command) });
+        let ending = match command {
+            Command::Jog(_) => Some(Ending::TimeUp),
+            Command::Home { at: 0, .. } => Some(Ending::NoLimitCycle),
+            Command::Home { .. } => Some(Ending::Homed),
+            _ => None,
+        };
+        if let Some(ending) = ending {
+            let ended = Ended { mode: Mode::Drive, ending, tick: 9, ticks: 5 };
+            bytes.extend(frame(&Message::Event(Event::ExperimentEnded(ended))));
+        }
+        if !matches!(command, Command::Hello | Command::Status | Command::GetSettings) {
+            seen.lock().unwrap().push(command);
+        }
+        (bytes, Then::Stay)
+    });
+    let device = |arguments: &[&str]| breakaway(&[&["device", "--port", &peer.port], arguments].concat());
+    let told = |output: &std::process::Output| String::from_utf8(output.stdout.clone()).unwrap();
+    assert!(told(&device(&["zero", "--at", "-0.25"])).contains("it stands at -0.250000 rad"));
+    assert!(
+        told(&device(&["jog", "--drive", "-1.2", "--for", "0.25", "--distance", "0.1"])).contains("time up: at 0.0")
+    );
+    assert!(told(&device(&["home", "--drive=1.2", "--at", "0.5"])).contains("homed: at 0.0"));
+    let stderr = failure(&device(&["home", "--drive=1.2"]), 1);
+    assert!(stderr.contains("it did not move"), "{stderr}");
+    let push = |volts: f64, max_ticks, travel_counts| Push {
+        drive_code: (volts / 12.0 * 32_767.0).round() as i16,
+        bounds: Bounds { max_ticks, drive_max_code: 0, travel_counts },
+    };
+    let expected = [
+        Command::Zero { count: -250 },
+        Command::Jog(push(-1.2, 250, 100)),
+        Command::Home { push: push(1.2, 10_000, 0), at: 500 },
+        Command::Home { push: push(1.2, 10_000, 0), at: 0 },
+    ];
+    assert_eq!(*asked.lock().unwrap(), expected);
 }

@@ -4,8 +4,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use super::*;
-use crate::recording::Units;
+use crate::fit::Track;
+use crate::fit::settings::HALF_WIDTH_S;
+use crate::recording::{Recording, Units};
 
 /// The slope at either end of a resting axis has the deviation of a parabola over 21 samples, 1.5·σ/h for many samples and 1.42
 /// by the sums of these 21 (a one-sided cubic over 11 has 10·σ/h). 200 records give it to 10 %, three of its own deviations

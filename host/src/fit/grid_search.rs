@@ -1,20 +1,13 @@
-//! Second bodies that are lost: among impacts the motion before a segment does not say where a body within a gap is (the least
-//! difference grows from each to the next), and no step of the fit leads from one order of impacts to another.
+//! Grid search over the initial state of a second body within a gap: among impacts the motion before a segment does not say where
+//! that body is (the least difference grows from each to the next), and no step of the fit leads from one order of impacts to another.
 
 use std::ops::ControlFlow;
 
 use breakaway_core::plant::{Plant, State};
 
-use super::mend::CAUGHT;
-use super::warm_up::placed;
-use super::{Problem, Segment, Start};
-use crate::fit::candidate::Candidate;
-
-/// Positions tried over the gap to either side, and velocities up to twice the segment's typical speed to either side.
-const WIDE: i32 = 4;
-/// Then about the best, in steps of a third, so many times, so many to either side.
-const CLOSER: usize = 3;
-const NARROW: i32 = 2;
+use super::hidden_state::displaced;
+use super::settings::{CLOSER, NARROW, STUCK, WIDE};
+use super::{Candidate, Problem, Segment, Start};
 
 /// Starts of a segment, tried by simulation: the best is kept.
 pub(super) struct Trials<'a> {
@@ -22,7 +15,7 @@ pub(super) struct Trials<'a> {
     plant: Plant<'a, f64>,
     segment: Segment,
     /// What the motion before leaves.
-    warm: State<f64>,
+    before: State<f64>,
     /// Mean square that the best start leaves; infinite as long as none was tried.
     pub(super) mse: f64,
     /// The best start.
@@ -32,8 +25,8 @@ pub(super) struct Trials<'a> {
 impl<'a> Trials<'a> {
     pub(super) fn new(problem: &'a Problem<'a>, candidate: &'a Candidate, segment: Segment, start: Start) -> Self {
         let plant = Plant { base: candidate.base, effects: &candidate.effects };
-        let warm = problem.warm_state(&plant, segment);
-        Self { problem, plant, segment, warm, mse: f64::INFINITY, start }
+        let before = problem.state_before(&plant, segment);
+        Self { problem, plant, segment, before, mse: f64::INFINITY, start }
     }
 
     /// Tries a start; its simulation ends where it is no better than the best.
@@ -42,7 +35,7 @@ impl<'a> Trials<'a> {
         let most = self.mse * self.segment.len as f64;
         let steps = self.problem.sub_steps(&self.plant, self.segment);
         let mut square = 0.0;
-        let state = placed(&self.plant, &self.warm, start);
+        let state = displaced(&self.plant, &self.before, start);
         self.problem.simulate_from(&self.plant, steps, self.segment, state, |k, x| {
             square += (track.weight(k) * (track.x[k] - x)).powi(2);
             if square < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
@@ -53,11 +46,11 @@ impl<'a> Trials<'a> {
     }
 
     /// Seeks a second body all over its gap, the motor's own start as it is.
-    pub(super) fn find_lost(&mut self) {
-        let mut effects = self.plant.effects.iter().zip(&self.warm.memory);
+    pub(super) fn search_gap(&mut self) {
+        let mut effects = self.plant.effects.iter().zip(&self.before.memory);
         let Some((effect, said)) = effects.find(|(effect, _)| effect.kind.free_memory() > 0) else { return };
         let Some(gap) = effect.kind.gap().map(|i| effect.p[i]) else { return };
-        if self.mse < CAUGHT * self.problem.floor() {
+        if self.mse < STUCK * self.problem.floor() {
             return;
         }
         let [x, v, ..] = self.start;

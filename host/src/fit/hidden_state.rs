@@ -5,12 +5,12 @@ use std::ops::Range;
 use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
 
+use super::prepare::Track;
 use super::{Problem, Segment};
-use crate::fit::track::Track;
 
 impl Problem<'_> {
-    /// The state that the motion before the segment leaves, to be [`placed`] at a start.
-    pub(super) fn warm_state<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> State<R> {
+    /// The state that the motion before the segment leaves, to be [`displaced`] to a start.
+    pub(super) fn state_before<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> State<R> {
         let track = &self.tracks[segment.track];
         if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
             return plant.at_rest(R::ZERO);
@@ -24,18 +24,18 @@ impl Problem<'_> {
             let effects: Vec<Effect<f64>> =
                 plant.effects.iter().map(|e| Effect { kind: e.kind, p: e.p.map(Real::to_f64) }).collect();
             let base = Base { b: plant.base.b.to_f64(), c: plant.base.c.to_f64(), f1: plant.base.f1.to_f64() };
-            let plain = warmed_up(&Plant { base, effects: &effects }, before, track);
+            let plain = after_motion(&Plant { base, effects: &effects }, before, track);
             State { x: R::ZERO, v: R::ZERO, memory: plain.memory.map(|slot| slot.map(R::from_f64)) }
         } else {
-            warmed_up(plant, before, track)
+            after_motion(plant, before, track)
         }
     }
 }
 
-/// A warm state moved to a start, the free memory by what the start adds to it.
-pub(super) fn placed<R: Real>(plant: &Plant<'_, R>, warm: &State<R>, start: [R; 4]) -> State<R> {
+/// The state before a segment, moved to a start, the free memory by what the start adds to it.
+pub(super) fn displaced<R: Real>(plant: &Plant<'_, R>, before: &State<R>, start: [R; 4]) -> State<R> {
     let [x, v, y, w] = start;
-    let mut memory = warm.memory;
+    let mut memory = before.memory;
     let mut remembering = plant.effects.iter().zip(memory.iter_mut());
     if let Some((effect, memory)) = remembering.find(|(effect, _)| effect.kind.free_memory() > 0) {
         effect.displaced(x, [y, w], memory);
@@ -44,7 +44,7 @@ pub(super) fn placed<R: Real>(plant: &Plant<'_, R>, warm: &State<R>, start: [R; 
 }
 
 /// The effects' memories after the measured motion `before`, from rest.
-fn warmed_up<R: Real>(plant: &Plant<'_, R>, before: Range<usize>, track: &Track) -> State<R> {
+fn after_motion<R: Real>(plant: &Plant<'_, R>, before: Range<usize>, track: &Track) -> State<R> {
     let mut state = plant.at_rest(R::from_f64(track.xs[before.start]));
     for k in before {
         let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };

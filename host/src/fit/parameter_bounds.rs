@@ -3,12 +3,8 @@
 use breakaway_core::plant::Base;
 
 use super::Problem;
-use crate::fit::track::Track;
-
-/// Forces of inertia and viscous friction at typical acceleration and speed, and of Coulomb friction, in a fit, as multiples of the
-/// largest drive, at the most. Where an effect that is not in the model moves the axis to and fro, all three would grow beyond
-/// all bounds together: motion that no drive has to do with.
-const MOST_FORCE: f64 = 3.0;
+use super::prepare::Track;
+use super::settings::MOST_FORCE;
 
 impl Problem<'_> {
     /// The largest base that a fit can come to.

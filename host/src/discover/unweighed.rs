@@ -1,0 +1,81 @@
+//! Names of the judge beside effects that no force in a window shows: those are compared with them on the simulated motion.
+
+use breakaway_core::plant::{Effect, Kind};
+
+use super::by_force;
+use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
+use super::engine::{Prepared, Request, prepared};
+use super::judge::library::weighs;
+use super::judge::ruling::{Finding, Ruling};
+use super::model::Model;
+use super::outcome::Discovery;
+use super::search::{Standing, confusable, stand_ins};
+use crate::recording::Units;
+
+/// Iterations of the model of the judge's names.
+const ITERATIONS: usize = 20;
+
+/// The discovery `found` of a ruling, where each name is compared with what it may be confused with and the judge cannot weigh. What
+/// does as well is tied with the name; what does better takes its place, with the name tied.
+pub(super) fn compared(
+    request: &Request,
+    units: &Units,
+    ruling: &Ruling,
+    found: Discovery,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Discovery {
+    let unweighed = |finding: &Finding| {
+        let mut kinds = confusable(finding.effect.kind, false);
+        kinds.retain(|kind| !weighs(*kind));
+        kinds
+    };
+    // Names that the simulated motion contradicted are no longer there.
+    if found.effects.is_empty() || ruling.findings.iter().all(|finding| unweighed(finding).is_empty()) {
+        return found;
+    }
+    let start = prepared(request, FIT_SEGMENT_S, Some(ruling), progress)
+        .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress));
+    let Ok(start) = start else { return found };
+    progress("comparing what the measured forces do not tell apart");
+    let mut findings = ruling.findings.clone();
+    let mut changed = false;
+    for j in 0..findings.len() {
+        let kinds = unweighed(&findings[j]);
+        if let Some((effect, standing)) = stand_in(&start, &findings, j, &kinds) {
+            changed = true;
+            findings[j] = match standing {
+                Standing::Better => instead(&findings[j], effect),
+                Standing::AsGood => beside(&findings[j], effect.kind),
+            };
+        }
+    }
+    if !changed {
+        return found;
+    }
+    by_force::found(request, units, &Ruling { findings, ..ruling.clone() }, progress).unwrap_or(found)
+}
+
+/// What of `kinds` does best in the place of finding `j`, if it does as well.
+fn stand_in(start: &Prepared, findings: &[Finding], j: usize, kinds: &[Kind]) -> Option<(Effect<f64>, Standing)> {
+    if kinds.is_empty() {
+        return None;
+    }
+    let known = start.base.candidate.effects.len();
+    let model = findings.iter().fold(Model::of(&start.base), |model, finding| model.with(finding.effect));
+    let fit = model.fit(&start.data.problem(), None, ITERATIONS).ok()?;
+    stand_ins(&start.data, &fit, known + j, kinds).into_iter().next()
+}
+
+/// The finding with another effect in its place, and its own tied.
+fn instead(finding: &Finding, effect: Effect<f64>) -> Finding {
+    let mut tied = vec![(finding.effect.kind, 0.0)];
+    tied.extend(finding.tied.iter().filter(|(kind, _)| *kind != effect.kind));
+    Finding { effect, errors: [f64::NAN; _], held: Vec::new(), tied, ..finding.clone() }
+}
+
+/// The finding with an effect tied.
+fn beside(finding: &Finding, kind: Kind) -> Finding {
+    let mut finding = finding.clone();
+    finding.tied.push((kind, 0.0));
+    finding
+}

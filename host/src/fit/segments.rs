@@ -1,0 +1,33 @@
+//! Segments: samples of a track that are simulated in one go.
+
+use super::prepare::Track;
+
+/// Samples of a track that are simulated in one go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Index of the track.
+    pub track: usize,
+    /// First sample.
+    pub start: usize,
+    /// Number of samples, ≥ 2.
+    pub len: usize,
+}
+
+/// Cuts the pieces of the tracks into segments of `length_s` (at least 8 samples); rests shorter than half are dropped.
+pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    for (track, prepared) in tracks.iter().enumerate() {
+        let len = ((length_s / prepared.ts).round() as usize).max(8);
+        for piece in prepared.pieces.windows(2) {
+            let mut start = piece[0];
+            while start + len / 2 < piece[1] {
+                let len = len.min(piece[1] - start);
+                if len >= 8 {
+                    segments.push(Segment { track, start, len });
+                }
+                start += len;
+            }
+        }
+    }
+    segments
+}
