@@ -11,6 +11,7 @@ use crate::command::run::papers_plant;
 use crate::discover::engine::discover;
 use crate::discover::outcome::Discovery;
 use crate::report::discovery;
+use crate::report::text::with_error;
 use crate::simulate::axis::Axis;
 use crate::simulate::suite::{self, Machine};
 
@@ -93,7 +94,7 @@ fn in_words(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
         let values: Vec<String> = effect
             .parameters
             .iter()
-            .map(|p| format!("{} = {:.4e} ± {:.0e} {}", p.symbol, p.value, p.se, p.unit))
+            .map(|p| format!("{} = {} {}", p.symbol, with_error(p.value, p.se), p.unit))
             .collect();
         lines.push(format!("{}: {}", effect.kind.definition().law, values.join(", ")));
     }

@@ -9,8 +9,13 @@ use crate::discover::outcome::Discovery;
 use crate::fit::Track;
 use crate::recording::Recording;
 
-/// Bins of a period: 15° of the wave each.
-const BINS: usize = 24;
+/// Fewest and most bins of a period: 30° and 15° of the wave each. The mean over a bin keeps 98.9 % and more of the wave.
+const FEWEST_BINS: usize = 12;
+const MOST_BINS: usize = 24;
+/// Windows of a bin, on average, before there are more bins than the fewest.
+const WINDOWS_OF_BIN: usize = 6;
+/// Intervals of the law's curve: 3.75° of the wave each.
+const LAW_POINTS: usize = 96;
 /// Half-width of a window at the typical speed, rad of the wave. The average over a window then keeps 97 % of the wave.
 const HALF_WAVE_RAD: f64 = 0.7;
 /// The same up to which a window is used; the average keeps 92 %.
@@ -75,16 +80,15 @@ fn fold(tracks: &[Track], found: &Discovery, j: usize, i: usize, over: Over) -> 
         return None;
     }
     let sign = |v: f64| if over == Over::PositionAndDirection { v.signum() } else { 1.0 };
-    let mut bins = vec![Vec::new(); BINS];
-    for track in tracks {
-        for window in windows(track, wave) {
-            let at = window.at;
-            let others = effects.iter().enumerate().filter(|(other, _)| *other != j);
-            let others: f64 = others.map(|(_, effect)| force(effect, &base, &at)).sum();
-            let needed = base.b * window.acceleration + base.c * at.v + base.f1 * at.v.signum() - at.u;
-            let phase = at.x.rem_euclid(period) / period;
-            bins[((phase * BINS as f64) as usize).min(BINS - 1)].push(sign(at.v) * (needed - others));
-        }
+    let windows: Vec<Window> = tracks.iter().flat_map(|track| windows(track, wave)).collect();
+    let n_bins = (windows.len() / WINDOWS_OF_BIN).clamp(FEWEST_BINS, MOST_BINS);
+    let mut bins = vec![Vec::new(); n_bins];
+    for Window { at, acceleration } in &windows {
+        let others = effects.iter().enumerate().filter(|(other, _)| *other != j);
+        let others: f64 = others.map(|(_, effect)| force(effect, &base, at)).sum();
+        let needed = base.b * acceleration + base.c * at.v + base.f1 * at.v.signum() - at.u;
+        let phase = at.x.rem_euclid(period) / period;
+        bins[((phase * n_bins as f64) as usize).min(n_bins - 1)].push(sign(at.v) * (needed - others));
     }
     let points: Vec<[f64; 3]> = bins
         .iter()
@@ -94,15 +98,15 @@ fn fold(tracks: &[Track], found: &Discovery, j: usize, i: usize, over: Over) -> 
             let n = forces.len() as f64;
             let mean = forces.iter().sum::<f64>() / n;
             let variance = forces.iter().map(|force| (force - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            [(bin as f64 + 0.5) / BINS as f64 * period, mean, (variance / n).sqrt()]
+            [(bin as f64 + 0.5) / n_bins as f64 * period, mean, (variance / n).sqrt()]
         })
         .collect();
-    let law = (0..=4 * BINS).map(|k| {
-        let x = k as f64 / (4 * BINS) as f64 * period;
+    let law = (0..=LAW_POINTS).map(|k| {
+        let x = k as f64 / LAW_POINTS as f64 * period;
         [x, force(own, &base, &Instant { t: 0.0, x, v: 1.0, u: 0.0, over_s: 0.0 })]
     });
     let coordinate = if over == Over::Position { "position" } else { "position × direction" };
-    (points.len() > BINS / 2).then(|| Fold { kind: own.kind, coordinate, period, points, law: law.collect() })
+    (points.len() > n_bins / 2).then(|| Fold { kind: own.kind, coordinate, period, points, law: law.collect() })
 }
 
 /// Averages over a window.

@@ -250,26 +250,30 @@ fn a_folded_force_lies_on_its_law() {
     let base = sample.ladder[0].base;
     sample.effects.remove(0);
     sample.model = Candidate { base, effects: vec![cogging] };
-    let experiment = Experiment {
-        name: "sine".into(),
-        tick_s: 1e-3,
-        duration_s: 20.0,
-        seed: 7,
-        drive_limit: f64::INFINITY,
-        travel_limit: f64::INFINITY,
-        excitation: Excitation::Sine { amplitude: 2.0, frequency_hz: 0.3, centring: 0.0 },
-        sensor: Sensor { encoder_step: 1e-3, ..Sensor::default() },
-    };
-    let recording = Axis::new(base, &[cogging], sample.units.clone()).run(&experiment).unwrap().recording;
-    let folds = discovery::folds(&[recording], &sample);
-    let [fold] = folds.as_slice() else { panic!("{folds:?}") };
-    assert_eq!((fold.kind, fold.coordinate, fold.points.len()), (Kind::Cogging, "position", 24));
-    assert!((fold.period - std::f64::consts::TAU / 7.0).abs() < 1e-12);
-    for [x, mean, se] in &fold.points {
-        let law = 0.2 * (7.0 * x + 0.5).sin();
-        assert!((mean - law).abs() < 4.0 * se + 0.03 * 0.2, "{x}: {mean} ± {se}, {law}");
-        assert!(*se < 0.02, "{x}: {se}");
+    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of these:
+    // three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
+    for (duration_s, bins, largest_se) in [(20.0, 24, 0.02), (1.2, 12, 0.06)] {
+        let experiment = Experiment {
+            name: "sine".into(),
+            tick_s: 1e-3,
+            duration_s,
+            seed: 7,
+            drive_limit: f64::INFINITY,
+            travel_limit: f64::INFINITY,
+            excitation: Excitation::Sine { amplitude: 2.0, frequency_hz: 0.3, centring: 0.0 },
+            sensor: Sensor { encoder_step: 1e-3, ..Sensor::default() },
+        };
+        let recording = Axis::new(base, &[cogging], sample.units.clone()).run(&experiment).unwrap().recording;
+        let folds = discovery::folds(&[recording], &sample);
+        let [fold] = folds.as_slice() else { panic!("{folds:?}") };
+        assert_eq!((fold.kind, fold.coordinate, fold.points.len()), (Kind::Cogging, "position", bins));
+        assert!((fold.period - std::f64::consts::TAU / 7.0).abs() < 1e-12);
+        for [x, mean, se] in &fold.points {
+            let law = 0.2 * (7.0 * x + 0.5).sin();
+            assert!((mean - law).abs() < 4.0 * se + 0.03 * 0.2, "{x}: {mean} ± {se}, {law}");
+            assert!(*se < largest_se, "{x}: {se}");
+        }
+        let page = discovery::html(&sample, &folds);
+        assert!(page.contains("Cogging (force ripple) over one period") && page.contains("fitted law"));
     }
-    let page = discovery::html(&sample, &folds);
-    assert!(page.contains("Cogging (force ripple) over one period") && page.contains("fitted law"));
 }

@@ -4,6 +4,7 @@
 //! does not run) and 23 (a definition) have no number.
 
 mod adaptive;
+mod formulas;
 mod listing;
 mod memo_fit;
 mod memo_relay;
