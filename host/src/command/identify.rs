@@ -11,7 +11,7 @@ use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
 use crate::file::{FileKind, Target, shown};
-use crate::identify::estimate::{self, Comparison, Estimate, Identified, Value};
+use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
@@ -91,7 +91,7 @@ struct Document {
 }
 
 impl Row {
-    fn new(estimate: &Estimate, units: &Units) -> Self {
+    fn new(estimate: &ModelEstimate, units: &Units) -> Self {
         let quantity = |value: Value, unit: String| Quantity { value: value.value, se: value.se, unit };
         Self {
             estimator: estimate.estimator,
@@ -110,7 +110,7 @@ impl HeldOut {
 }
 
 impl Document {
-    fn new(result: &Identified, units: &Units) -> Self {
+    fn new(result: &Identification, units: &Units) -> Self {
         let best = Row::new(&result.best, units);
         Self {
             b: best.b,
@@ -165,7 +165,7 @@ impl Args {
 ///
 /// # Errors
 /// An estimate outside the range of a plant.
-pub fn model(result: &Identified, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
+pub fn model(result: &Identification, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
     let best = &result.best;
     let base = Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
         .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))?;

@@ -1,6 +1,6 @@
 //! The commands: one file each, with its arguments and a `run`.
 //!
-//! A new command is a variant of [`Command`], an arm in [`run`], and its file.
+//! A new command is a variant of [`CliCommand`], an arm in [`run`], and its file.
 
 pub mod capture;
 pub mod completions;
@@ -52,12 +52,12 @@ pub struct Cli {
     pub verbose: bool,
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: CliCommand,
 }
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Show everything on a simulated axis: relay experiment, sine fit, model
     Demo(demo::Args),
     /// Run an experiment, or the standard suite, on the simulated plant or on a board
@@ -104,21 +104,21 @@ pub fn run(cli: Cli) -> ExitCode {
     });
     let output = Output { json: cli.json, force: cli.force, taken: false };
     let result = match cli.command {
-        Command::Demo(args) => args.run(output),
-        Command::Run(args) => args.run(output),
-        Command::Simulate(args) => args.run(output),
-        Command::Discover(args) => args.run(output),
-        Command::Identify(args) => args.run(output),
-        Command::Effects(args) => args.run(output),
-        Command::Sinefit(args) => args.run(output),
-        Command::VirtualBoard(args) => args.run(output),
-        Command::Capture(args) => args.run(output),
-        Command::Monitor(args) => args.run(output),
-        Command::Device(args) => args.run(output),
-        Command::Track(args) => args.run(output),
-        Command::Tune(args) => args.run(output),
-        Command::Completions(args) => args.run(output),
-        Command::Man(args) => args.run(output),
+        CliCommand::Demo(args) => args.run(output),
+        CliCommand::Run(args) => args.run(output),
+        CliCommand::Simulate(args) => args.run(output),
+        CliCommand::Discover(args) => args.run(output),
+        CliCommand::Identify(args) => args.run(output),
+        CliCommand::Effects(args) => args.run(output),
+        CliCommand::Sinefit(args) => args.run(output),
+        CliCommand::VirtualBoard(args) => args.run(output),
+        CliCommand::Capture(args) => args.run(output),
+        CliCommand::Monitor(args) => args.run(output),
+        CliCommand::Device(args) => args.run(output),
+        CliCommand::Track(args) => args.run(output),
+        CliCommand::Tune(args) => args.run(output),
+        CliCommand::Completions(args) => args.run(output),
+        CliCommand::Man(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

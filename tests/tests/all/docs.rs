@@ -165,7 +165,7 @@ fn command_lines_parse_and_their_files_come_from_somewhere() {
                 );
             }
             there.extend(files.writes);
-            if let breakaway::command::Command::Effects(args) = &cli.command
+            if let breakaway::command::CliCommand::Effects(args) = &cli.command
                 && let Some(name) = args.name.as_deref().filter(|name| *name != EXAMPLE_EFFECT)
             {
                 assert!(breakaway_core::plant::Kind::ALL.iter().any(|kind| kind.name() == name), "{place}: {name}");

@@ -45,7 +45,7 @@ pub struct Hunt {
     pub model: String,
     /// The story in lines.
     #[serde(skip)]
-    pub told: Vec<String>,
+    pub lines: Vec<String>,
 }
 
 /// What the seed hides.
@@ -81,7 +81,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
         noise_floor: found.noise_floor,
         report: report.display().to_string(),
         model: model.display().to_string(),
-        told: in_words(kind, breakaway.force, &found),
+        lines: in_words(kind, breakaway.force, &found),
     })
 }
 

@@ -19,7 +19,7 @@ use super::progress;
 use super::run::papers_plant;
 use crate::file::{make_folder, write_whole};
 use crate::fit::{Candidate, Problem, Segment, Track, session};
-use crate::identify::estimate::{self, Identified, Value};
+use crate::identify::estimate::{self, Identification, Value};
 use crate::recording::{Recording, Signal, Units};
 use crate::report::identification::{self, Cycle, Span, Story};
 use crate::report::page::Page;
@@ -96,7 +96,7 @@ struct Learnt {
     experiments: Vec<Experiment>,
     recordings: Vec<Recording>,
     sines: Vec<SineFit>,
-    identified: Identified,
+    identified: Identification,
 }
 
 impl Args {
@@ -212,7 +212,7 @@ fn identified(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
 }
 
 /// The identified base, with negative friction taken as none.
-fn base(identified: &Identified) -> anyhow::Result<Base<f64>> {
+fn base(identified: &Identification) -> anyhow::Result<Base<f64>> {
     let best = &identified.best;
     Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
         .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))
@@ -356,7 +356,7 @@ fn text(document: &Document) -> String {
         );
     }
     out.push('\n');
-    for line in &document.discovery.told {
+    for line in &document.discovery.lines {
         let _ = writeln!(out, "{line}");
     }
     let _ = writeln!(
