@@ -7,6 +7,7 @@ use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
+use super::judge::settings::Settings;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::search::{Ended, parameters, rung, settled};
 use crate::fit::{Candidate, Fit, Free, SCORE_ITERATIONS};
@@ -56,7 +57,10 @@ pub(super) fn found(
         let doubted = Ruling { findings: Vec::new(), ..ruling.clone() };
         let mut found = self::found(request, units, &doubted, progress)?;
         found.remarks.extend(remarks);
-        return Ok(Discovery { verdict: Verdict::Unknown, ..found });
+        if ruling.explains_of_the_drive() > Settings::default().predictable {
+            found.verdict = Verdict::Unknown;
+        }
+        return Ok(found);
     }
     let ended = Ended {
         verdict: verdict(ruling),

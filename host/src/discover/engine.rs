@@ -28,8 +28,8 @@ use crate::recording::{Recording, Units};
 /// effect brings it down to it.
 const ROUGH: f64 = 150.0;
 /// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
-/// windows and nothing predicts it with a z over blocks of more than the last.
-const SHAKEN: [f64; 3] = [5.0, 5.0, 4.5];
+/// windows and nothing predicts it with a z over blocks that a name needs.
+const SHAKEN: [f64; 2] = [5.0, 5.0];
 /// The same up to which the sensor's noise is all that is left.
 const AT_THE_NOISE: f64 = 1.1;
 /// Iterations of the base model's fit.
@@ -101,9 +101,8 @@ pub struct Request {
 pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
     let units = same_units(request)?;
-    let fresh = |all: &[Recording]| all.iter().map(|recording| recording.refreshed().into_owned()).collect();
-    let request =
-        &Request { recordings: fresh(&request.recordings), holdout: fresh(&request.holdout), ..request.clone() };
+    let (request, age_s) = on_the_sensors_clock(request);
+    let request = &request;
     progress("judging the measured forces");
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
     let judged = without_known(&request.recordings, known);
@@ -127,9 +126,31 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
             small.without_names(known.len())
         }
     };
+    found.remarks.extend(age_s.map(|age_s| {
+        format!("the position is held between readings, which are taken to be {:.1} ms old", 1e3 * age_s)
+    }));
     found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();
     Ok(found)
+}
+
+/// The request with a row for each reading of the sensor, and the drive of the instant at which it was taken; and how old the readings
+/// are, s, where they are held.
+fn on_the_sensors_clock(request: &Request) -> (Request, Option<f64>) {
+    let of = |recordings: &[Recording], holdout: &[Recording]| Request {
+        recordings: Recording::refreshed_together(recordings),
+        holdout: Recording::refreshed_together(holdout),
+        ..request.clone()
+    };
+    let fresh = of(&request.recordings, &request.holdout);
+    let settings = judge::settings::Settings::default();
+    let Some(age_s) = judge::reading_age::reading_age_s(&fresh.recordings, &settings) else { return (fresh, None) };
+    let aged = |all: &[Recording], fresh: &[Recording]| -> Vec<Recording> {
+        let held = fresh.iter().map(|own| if own.read_every_s.is_some() { age_s } else { 0.0 });
+        all.iter().zip(held).map(|(recording, age_s)| recording.with_readings_of(age_s)).collect()
+    };
+    let recordings = aged(&request.recordings, &fresh.recordings);
+    (of(&recordings, &aged(&request.holdout, &fresh.holdout)), Some(age_s))
 }
 
 /// The effects that the simulated motion is asked for. It can tell nothing where the machine moves by far more than its sensor's noise,
@@ -141,12 +162,12 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let [simulated, left, z] = SHAKEN;
+    let [simulated, left] = SHAKEN;
     let remainder = &ruling.remainder;
     let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
         && remainder.over_noise > left
         && remainder.predictable.is_none()
-        && remainder.significance < z;
+        && remainder.significance < judge::settings::Settings::default().z;
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
 }
 

@@ -4,6 +4,9 @@
 //! held sensor moves by many steps at once, and at the same interval whatever the speed. So only *refreshes at speed* are
 //! looked at: two successive changes the same way, of about the same size, and each at least [`FAST`] times the smallest
 //! change of the recording. Between them a sensor that is read for every row has no row to repeat.
+//!
+//! Noise that is drawn with each reading tells the refresh at any speed: it brings changes of either sign in successive readings. So
+//! of a sensor that is read for every row some changes follow in the next row, and of a held one none does.
 
 use super::Recording;
 use super::timing::median;
@@ -23,6 +26,15 @@ const LATE: f64 = 0.2;
 const NOISY: f64 = 0.05;
 /// Steps per row from which a noisy position repeats in less than a tenth of the rows, whatever its noise.
 const FAST_IN_NOISE: f64 = 3.0;
+
+/// Rows from which noise repeats no value by chance in nearly all changes, see [`EARLY`].
+const OVER_CHANCE: usize = 2;
+/// Share of the changes that may come earlier than a refresh; and the share that comes within a row or a fifth of the period from there.
+const EARLY: f64 = 0.02;
+/// See [`EARLY`].
+const NEXT_REFRESH: f64 = 0.3;
+/// Share of a period by which the intervals to the next refresh differ, from a clock that jitters.
+const JITTER: f64 = 0.2;
 
 /// Fewest different sizes of change at speed: an encoder whose step is printed with few digits has two at one speed.
 const SIZES: usize = 3;
@@ -49,14 +61,43 @@ pub struct Held {
 struct Interval {
     rows: usize,
     seconds: f64,
-    /// Size of the smaller change at its ends, position units.
+    /// Size of the change at its end, or of the smaller one at its ends, position units.
     size: f64,
+    /// Whether the change at its end is against the one at its beginning.
+    against: bool,
 }
 
 impl Recording {
     /// How the position is held between refreshes of its sensor. `None` where every row has a position of its own, and
     /// where too little motion, or motion at one speed, does not tell.
     pub fn held(&self) -> Option<Held> {
+        self.held_in_noise().or_else(|| self.held_at_speed())
+    }
+
+    /// The same from changes of any size, where noise comes with each reading.
+    fn held_in_noise(&self) -> Option<Held> {
+        let mut intervals = self.intervals_of_changes();
+        if intervals.len() < LEAST {
+            return None;
+        }
+        intervals.sort_unstable_by_key(|interval| interval.rows);
+        let quantile = |share: f64| intervals[(share * (intervals.len() - 1) as f64) as usize].rows;
+        let (early, next) = (quantile(EARLY), quantile(NEXT_REFRESH));
+        let late = early + ((JITTER * early as f64) as usize).max(1);
+        let near: Vec<&Interval> = intervals.iter().filter(|i| (early..=late).contains(&i.rows)).collect();
+        // An axis that turns back is slow: its change against the one before comes late.
+        let noise = near.iter().filter(|interval| interval.against).count();
+        if early < OVER_CHANCE || next > late || noise < LEAST {
+            return None;
+        }
+        let mean = |of: fn(&Interval) -> f64| near.iter().map(|i| of(i)).sum::<f64>() / near.len() as f64;
+        let period_rows = mean(|interval| interval.rows as f64);
+        let repeated = 1.0 - 1.0 / period_rows;
+        Some(Held { period_s: mean(|i| i.seconds), period_rows, repeated, refreshes: near.len() })
+    }
+
+    /// The same from changes at speed.
+    fn held_at_speed(&self) -> Option<Held> {
         let mut intervals = self.intervals_at_speed();
         let count = intervals.len();
         let late = intervals.iter().filter(|interval| interval.rows > 1).count();
@@ -81,6 +122,36 @@ impl Recording {
         })
     }
 
+    /// Whether the rows may be those of a sensor with this refresh: hardly one change follows another much earlier.
+    pub(super) fn may_be_held(&self, period_s: f64) -> bool {
+        let intervals = self.intervals_of_changes();
+        let early = intervals.iter().filter(|interval| interval.seconds < 0.5 * period_s).count();
+        !intervals.is_empty() && early as f64 <= EARLY * intervals.len() as f64
+    }
+
+    /// Intervals between successive changes of the position, within the pieces.
+    fn intervals_of_changes(&self) -> Vec<Interval> {
+        let mut found = Vec::new();
+        for piece in self.pieces() {
+            let mut last: Option<(usize, f64)> = None;
+            for row in piece.start + 1..piece.end {
+                let change = self.x[row] - self.x[row - 1];
+                if change == 0.0 {
+                    continue;
+                }
+                if let Some((before, other)) = last.replace((row, change)) {
+                    found.push(Interval {
+                        rows: row - before,
+                        seconds: self.t[row] - self.t[before],
+                        size: change.abs(),
+                        against: (change > 0.0) != (other > 0.0),
+                    });
+                }
+            }
+        }
+        found
+    }
+
     /// Intervals between successive changes of the position, within the pieces, where both changes are at speed.
     fn intervals_at_speed(&self) -> Vec<Interval> {
         let step = smallest_change(&self.x);
@@ -101,7 +172,8 @@ impl Recording {
                     let least = fast.max(fast_per_row * (row - before) as f64);
                     let at_speed = small > 0.99 * least && large <= SAME_SPEED * small;
                     if at_speed && (size > 0.0) == (change > 0.0) {
-                        found.push(Interval { rows: row - before, seconds: self.t[row] - self.t[before], size: small });
+                        let seconds = self.t[row] - self.t[before];
+                        found.push(Interval { rows: row - before, seconds, size: small, against: false });
                     }
                 }
                 last = Some((row, change));
@@ -218,6 +290,30 @@ mod tests {
             noisy.x.iter_mut().for_each(|x| *x += 0.01 * (0..12).map(|_| uniform()).sum::<f64>());
             noisy.x.iter_mut().for_each(|x| *x = (*x / 0.01).round() * 0.01);
             assert_eq!(noisy.held(), None, "{amplitude}");
+        }
+    }
+
+    /// A coarse encoder with noise of half a step, read every 16, 1.4 and 4 ms, moves by a step or less in a refresh.
+    #[test]
+    fn a_slow_refresh_is_found_in_noise() {
+        for (rate_hz, refresh_s) in [(9000.0, 0.016), (4000.0, 0.0014), (1000.0, 0.004)] {
+            let mut state = 1_u32;
+            let mut uniform = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(state) / f64::from(u32::MAX) - 0.5
+            };
+            let step = std::f64::consts::PI * refresh_s;
+            let mut noisy = recorded(rate_hz, refresh_s, 0.0, swing);
+            let (mut read, mut reported) = (f64::NAN, 0.0);
+            for x in &mut noisy.x {
+                if *x != read {
+                    read = *x;
+                    reported = (*x / step + 0.5 * (0..12).map(|_| uniform()).sum::<f64>()).round() * step;
+                }
+                *x = reported;
+            }
+            let held = noisy.held().unwrap_or_else(|| panic!("not found: {rate_hz} {refresh_s}"));
+            assert!((held.period_s / refresh_s - 1.0).abs() < 0.02, "{rate_hz} {refresh_s}: {held:?}");
         }
     }
 

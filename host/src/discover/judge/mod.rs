@@ -3,6 +3,7 @@
 pub mod dataset;
 pub mod evidence;
 pub mod library;
+pub mod reading_age;
 pub mod regression;
 pub mod ruling;
 pub mod search;

@@ -98,6 +98,11 @@ impl Ruling {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
         self.coherence >= COHERENT && little
     }
+    /// Share of the drive that the names explain, on side U.
+    pub fn explains_of_the_drive(&self) -> f64 {
+        let [base, left] = self.residual_u;
+        (base * base - left * left).max(0.0).sqrt()
+    }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
     pub fn beside(mut self, known: &[Effect<f64>]) -> Self {
@@ -161,7 +166,7 @@ fn widths(narrowest: f64, settings: &Settings) -> Vec<f64> {
 }
 
 /// The narrowest windows that the sensor's noise allows.
-fn narrowest(dataset: &Dataset, settings: &Settings) -> Option<f64> {
+pub(super) fn narrowest(dataset: &Dataset, settings: &Settings) -> Option<f64> {
     let mut last = None;
     for width in settings.half_widths_s {
         let resolved = dataset.pieces.iter().any(|p| width >= settings.least_half_samples as f64 * p.h_s);
@@ -201,7 +206,7 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
                 index += 1;
                 continue;
             }
-            // A delay within the interval at which the position is read is that clock's: it stays in the model, and is no name.
+            // A delay within the interval at which the position is read is that clock's, and is no name.
             if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
                 index += 1;
                 continue;
@@ -235,7 +240,8 @@ fn remainder(
     predictable: Option<Name>,
     settings: &Settings,
 ) -> Option<Remainder> {
-    let wide = settings.half_widths_s.iter().copied().find(|width| *width >= WIDE * narrowest)?;
+    let widest = settings.half_widths_s.last().copied()?;
+    let wide = settings.half_widths_s.iter().copied().find(|width| *width >= WIDE * narrowest).unwrap_or(widest);
     let form = WeakForm::new(dataset, wide, settings)?;
     let fitted = own.model.refitted(&form, settings)?;
     let own = Judged { fitted, ..own.clone() };

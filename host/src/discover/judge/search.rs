@@ -231,12 +231,13 @@ impl<'a> Stage<'a> {
 
     fn round(&self) -> Round {
         let (mut tried, bar) = self.singles();
-        let mut outcome = decide(&tried, self.settings);
+        let left = rms(&self.fitted.u.residual) / rms(&self.form.row_u);
+        let mut outcome = decide(&tried, left, self.settings);
         if !matches!(outcome, Outcome::Named(..)) || inconsistent_rival(&tried, self.settings) {
             let pairs = self.pairs(&tried, &bar);
             tried.extend(pairs);
             tried.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
-            outcome = decide(&tried, self.settings);
+            outcome = decide(&tried, left, self.settings);
         }
         Round { tried, outcome }
     }
@@ -245,6 +246,8 @@ impl<'a> Stage<'a> {
 /// Gain on a side from which a term is worth a partner, and terms that are given one.
 const PAIR_GAIN: f64 = 0.05;
 const PAIR_FIRSTS: usize = 4;
+/// Gain from which what is no name predicts a part of what is left.
+const PREDICTS: f64 = 0.05;
 
 fn score(tried: &Tried) -> f64 {
     tried.evidence[0].u.flat.max(0.0) + tried.evidence[0].a.flat.max(0.0)
@@ -277,14 +280,17 @@ fn rank(tried: &Tried) -> f64 {
     }
 }
 
-fn decide(tried: &[Tried], settings: &Settings) -> Outcome {
+/// What a round comes to, where a model leaves the share `left` of the drive.
+fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
     let names: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
+    // Share of the drive that a term predicts.
+    let predicted = |gain: f64| left * (1.0 - (-2.0 * gain).exp()).sqrt();
     let strongest = |tried: &[Tried]| {
-        let seen = tried
-            .iter()
-            .filter(|t| t.terms.len() == 1 && t.evidence[0].u.flat > 0.05 && t.evidence[0].u.z >= settings.z);
-        seen.max_by(|a, b| a.evidence[0].u.flat.total_cmp(&b.evidence[0].u.flat)).map(|t| t.terms[0].name)
+        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0 && t.evidence[0].z() >= settings.z);
+        let seen = alone.map(|t| (t, t.evidence[0].u.flat));
+        let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
+        seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)
     };
     let Some(best) = names.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
         return strongest(tried).map_or(Outcome::Nothing, Outcome::Unknown);

@@ -43,6 +43,9 @@ pub struct Settings {
     pub rival: f64,
     /// The same of a decoy.
     pub decoy: f64,
+    /// Share of the drive, predicted without a name, from which something is missing. A drive is known to about so much: a supply that
+    /// is off by 2 % predicts as much.
+    pub predictable: f64,
     /// Most effects named.
     pub most_names: usize,
 }
@@ -72,6 +75,7 @@ impl Default for Settings {
             tie_z: 2.0,
             rival: 0.85,
             decoy: 0.75,
+            predictable: 0.02,
             most_names: 4,
         }
     }

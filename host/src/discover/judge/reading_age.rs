@@ -1,0 +1,52 @@
+//! The age of held readings: how much later than the position the drive is written.
+//!
+//! A sensor that is read on a clock of its own says where the axis was up to one interval ago, and a bus adds its own time. Within
+//! that clock's intervals no delay of the machine can be told from it, so that it is found first and belongs to the recordings.
+
+use super::dataset::Dataset;
+use super::regression::rms;
+use super::ruling::narrowest;
+use super::settings::Settings;
+use super::sides::{Model, Weights};
+use super::term::{Arrival, Name, Term};
+use super::weak_form::WeakForm;
+use crate::recording::Recording;
+
+/// Ages that are tried before the best is refined between its neighbours.
+const GRID: usize = 16;
+/// Golden sections: the age to a thousandth of a step of the grid.
+const SECTIONS: usize = 14;
+
+/// The age at which the drive tells most of the acceleration, s; `None` where no reading is held, or where the best age is longer than
+/// the sensor's clock explains.
+pub fn reading_age_s(recordings: &[Recording], settings: &Settings) -> Option<f64> {
+    let dataset = Dataset::new(recordings, settings);
+    let most = dataset.unsure_s;
+    if most <= 0.0 {
+        return None;
+    }
+    let form = WeakForm::new(&dataset, narrowest(&dataset, settings)?, settings)?;
+    let step = most / GRID as f64;
+    let left = |age_s: f64| left(&form, age_s, settings);
+    let grid = (0..=GRID).map(|i| (i, left(i as f64 * step)));
+    let (best, _) = grid.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    if best == GRID {
+        return None;
+    }
+    let (mut low, mut high) = ((best as f64 - 1.0).max(0.0) * step, (best as f64 + 1.0) * step);
+    let golden = 0.618_033_988_75;
+    for _ in 0..SECTIONS {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        if left(a) < left(b) { high = b } else { low = a }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// Share of the acceleration that the base leaves where the drive comes so late.
+fn left(form: &WeakForm<'_>, age_s: f64, settings: &Settings) -> f64 {
+    let mut term = Term::force(Name::Decoy("age of the readings"), Vec::new());
+    term.drive = Some(Arrival::Delay(age_s));
+    let model = Model { terms: vec![term] };
+    let fitted = model.fit(form, &Weights::equal(form), settings);
+    fitted.map_or(f64::INFINITY, |fitted| rms(&fitted.a.residual))
+}
