@@ -1,13 +1,15 @@
 //! Prints the table of docs/theory.md, section 4 (RMS error of each estimator by encoder step and noise) and the
 //! throughput of the streaming estimator.
 
+#[path = "../../tests/src/papers.rs"]
+mod papers;
 #[path = "../tests/all/support/mod.rs"]
 mod support;
 
 use breakaway_core::estimate::describing_function::{CycleFit, describing_function};
 use breakaway_core::estimate::modulating::{Modulating, estimate};
-use breakaway_core::estimate::papers::{RelayExperiment, equation_17, memo_listing};
 use breakaway_core::scalar::SolverReal;
+use papers::{RelayExperiment, equation_17, memo_listing};
 use std::f64::consts::TAU;
 use std::time::Instant;
 use support::{Cycle, REFERENCE, Record, Sensor, experiment};

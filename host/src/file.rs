@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::interrupt;
 
-pub use error::{FileError, read_as};
+pub use error::{FileError, is_standard_input, read_as, shown};
 pub use kind::{FIGURE_MARK, FileKind, PAGE_MARK};
 pub use target::{Target, TargetError, apart, inside, may_write};
 

@@ -16,7 +16,7 @@ use breakaway_hidden::{Case, Setting};
 use breakaway_tests::blind::asked::Asked;
 use breakaway_tests::blind::limit::{Clock, Watch};
 use breakaway_tests::blind::rows::{HEADER, Row, UNKIND_HEADER};
-use breakaway_tests::blind::{run, table, told};
+use breakaway_tests::blind::{in_words, run, table};
 
 /// The value of an option, given without its dashes.
 fn option(name: &str) -> Option<String> {
@@ -33,7 +33,7 @@ fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
     let row = match run(case) {
         Ok((scored, found)) => {
             if verbose {
-                println!("       {}", told(&found).join("\n       "));
+                println!("       {}", in_words(&found).join("\n       "));
             }
             Row::new(case, setting, &scored)
         }

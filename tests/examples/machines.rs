@@ -16,6 +16,7 @@ use breakaway_tests::machines::reading::{self, ReadingError};
 use breakaway_tests::machines::rows::{self, Row};
 use breakaway_tests::machines::splits::{Split, splits, taken};
 use breakaway_tests::machines::{Machine, discovery, drive_free, export, page, quick};
+use breakaway_tests::markdown::wrapped;
 use breakaway_tests::measured_data;
 use clap::Parser;
 
@@ -163,7 +164,7 @@ fn done(asked: &Asked) -> Result<(), Box<dyn std::error::Error>> {
     let csv = asked.csv.as_deref();
     let known = csv.map_or(Ok(Vec::new()), rows::read)?;
     if let Some(path) = &asked.page {
-        std::fs::write(path, page::page(&known, &asked.date, &asked.command, &asked.remark)?)?;
+        std::fs::write(path, wrapped(&page::page(&known, &asked.date, &asked.command, &asked.remark)?))?;
         return Ok(());
     }
     let rows = if asked.table { known } else { run(asked, csv, known)? };

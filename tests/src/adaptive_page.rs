@@ -6,6 +6,7 @@ use breakaway::report::figure::{Figure, Ink, Series, Strip, stack};
 use breakaway_core::control::Estimates;
 
 use crate::adaptive::{FIGURES, Loop, Moment, PAPER, rms};
+use crate::markdown::wrapped;
 
 /// A file of the documentation: its name under `docs/`, and its text.
 pub type File = (String, String);
@@ -25,7 +26,7 @@ pub fn files() -> Vec<File> {
         .collect();
     files.push(("images/adaptive-later.svg".into(), later(&runs).file()));
     files.push(("images/adaptive-experiment.svg".into(), experiment.figure().file()));
-    files.push(("adaptive.md".into(), page(&runs, &experiment)));
+    files.push(("adaptive.md".into(), wrapped(&page(&runs, &experiment))));
     files
 }
 

@@ -7,6 +7,8 @@ pub mod blind;
 pub mod drift;
 pub mod fuzz;
 pub mod machines;
+pub mod markdown;
+pub mod papers;
 pub mod robustness;
 pub mod robustness_page;
 #[cfg(unix)]

@@ -31,7 +31,7 @@ pub struct Random {
 
 /// What came of a plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum TrialResult {
     /// All three.
     Passed,
     /// No gains for it, or the error does not stay bounded.
@@ -46,7 +46,7 @@ pub enum Verdict {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: TrialResult,
     /// Phase margin on the true plant would be near this, degrees.
     pub phase_deg: f64,
     /// RMS of tracking a sine, counts.
@@ -131,9 +131,9 @@ pub fn try_plant(plant: &Random) -> Outcome {
         acceleration: Some(acceleration),
         adaptation_rate: 1.0,
     };
-    let Ok(design) = Design::new(&known, &request) else { return failed(Verdict::Unstable) };
+    let Ok(design) = Design::new(&known, &request) else { return failed(TrialResult::Unstable) };
     let design = Design { compensate: true, ..design };
-    let Ok(controller) = design.controller::<f32>() else { return failed(Verdict::Unstable) };
+    let Ok(controller) = design.controller::<f32>() else { return failed(TrialResult::Unstable) };
     let truth = model(plant.base, &effects);
     let bench = Bench {
         tick_s: TICK_S,
@@ -147,21 +147,23 @@ pub fn try_plant(plant: &Random) -> Outcome {
     let ticks = 8_000_u32;
     // From rest at the sine's peak, so that the start is no jump.
     let (Ok(sine), Ok(turn)) = (Sine::<f32>::new(0.5, 0.5, TICK_S), Sine::<f32>::new(0.0, 0.5, TICK_S)) else {
-        return failed(Verdict::Unstable);
+        return failed(TrialResult::Unstable);
     };
     let quarter = (0.25 / (0.5 * TICK_S)) as u32;
     let points: Vec<_> = (0..ticks)
         .map(|k| Setpoint { x: sine.at(k + quarter).x - 0.5 + turn.at(k).x, ..sine.at(k + quarter) })
         .collect();
-    let Ok(tracked) = run(&points, 2_000) else { return failed(Verdict::Unstable) };
+    let Ok(tracked) = run(&points, 2_000) else { return failed(TrialResult::Unstable) };
     let rms_counts = tracked.rms() / step;
     let largest = |from: usize, to: usize| tracked.error[from..to].iter().fold(0.0_f64, |m, e| m.max(e.abs()));
     let stable = largest(5_000, 8_000) <= 1.5 * largest(1_000, 5_000) + 3.0 * step && largest(5_000, 8_000) < 0.5;
 
     // A move with a rest of 4 s; the last 2 s count.
-    let Ok(profile) = Profile::<f32>::s_curve(1.0, 2.0, 8.0, 200.0, TICK_S) else { return failed(Verdict::Unstable) };
+    let Ok(profile) = Profile::<f32>::s_curve(1.0, 2.0, 8.0, 200.0, TICK_S) else {
+        return failed(TrialResult::Unstable);
+    };
     let points: Vec<_> = (0..profile.ticks() + 4_000).map(|k| profile.at(k)).collect();
-    let Ok(moved) = run(&points, 0) else { return failed(Verdict::Unstable) };
+    let Ok(moved) = run(&points, 0) else { return failed(TrialResult::Unstable) };
     let rest = &moved.error[moved.error.len() - 2_000..];
     let (low, high) = rest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(*e), h.max(*e)));
     let rest_counts = (high - low) / step;
@@ -169,23 +171,23 @@ pub fn try_plant(plant: &Random) -> Outcome {
     // A move that asks for ten times the drive, then 15 s to come back.
     let beyond = 10.0 * limit / b;
     let Ok(leap) = Profile::<f32>::trapezoid(3.0, 10.0 * limit / c.max(0.05), beyond, TICK_S) else {
-        return failed(Verdict::Unstable);
+        return failed(TrialResult::Unstable);
     };
     let points: Vec<_> = (0..leap.ticks() + 15_000).map(|k| leap.at(k)).collect();
-    let Ok(leapt) = run(&points, 0) else { return failed(Verdict::Saturation) };
+    let Ok(leapt) = run(&points, 0) else { return failed(TrialResult::Saturation) };
     let tail = &leapt.error[leapt.error.len() - 500..];
     let left_counts = tail.iter().fold(0.0_f64, |m, e| m.max(e.abs())) / step;
 
     let gains = &design.gains;
     let break_away_s = f1 / (gains.b * gains.kv * gains.lambda1 * left_counts * step);
     let verdict = if !stable {
-        Verdict::Unstable
+        TrialResult::Unstable
     } else if rest_counts > COUNTS {
-        Verdict::LimitCycle
+        TrialResult::LimitCycle
     } else if left_counts > COUNTS {
-        Verdict::Saturation
+        TrialResult::Saturation
     } else {
-        Verdict::Passed
+        TrialResult::Passed
     };
     Outcome {
         verdict,

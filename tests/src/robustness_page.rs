@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::drift::Trial;
-use crate::robustness::{COUNTS, Outcome, Random, Verdict, plants, try_plant};
+use crate::markdown::wrapped;
+use crate::robustness::{COUNTS, Outcome, Random, TrialResult, plants, try_plant};
 
 /// Plants in the table.
 const PLANTS: usize = 200;
@@ -39,13 +40,13 @@ delay allow), runs in f32, and has the compensator **on**, drive limited to 1.5 
 3. *saturation*: a move that asks for ten times the drive, then 15 s; the error is back within {COUNTS} counts.
 "
     );
-    let count = |verdict: Verdict| outcomes.iter().filter(|(_, outcome)| outcome.verdict == verdict).count();
+    let count = |verdict: TrialResult| outcomes.iter().filter(|(_, outcome)| outcome.verdict == verdict).count();
     out.push_str("| | plants |\n|---|---|\n");
     for (name, verdict) in [
-        ("passed all three", Verdict::Passed),
-        ("not stable", Verdict::Unstable),
-        ("not still at rest", Verdict::LimitCycle),
-        ("not back after saturation", Verdict::Saturation),
+        ("passed all three", TrialResult::Passed),
+        ("not stable", TrialResult::Unstable),
+        ("not still at rest", TrialResult::LimitCycle),
+        ("not back after saturation", TrialResult::Saturation),
     ] {
         let _ = writeln!(out, "| {name} | {} |", count(verdict));
     }
@@ -64,11 +65,11 @@ delay allow), runs in f32, and has the compensator **on**, drive limited to 1.5 
     }
     failures(&mut out, &outcomes);
     drift(&mut out);
-    out
+    wrapped(&out)
 }
 
 fn failures(out: &mut String, outcomes: &[(Random, Outcome)]) {
-    let failed: Vec<_> = outcomes.iter().filter(|(_, outcome)| outcome.verdict != Verdict::Passed).collect();
+    let failed: Vec<_> = outcomes.iter().filter(|(_, outcome)| outcome.verdict != TrialResult::Passed).collect();
     if failed.is_empty() {
         out.push_str("\nNo plant failed.\n");
         return;

@@ -10,14 +10,8 @@ use crate::run;
 const TARGET: &str = "arm-unknown-linux-gnueabi";
 
 /// Left out: arithmetic over up to two million points against libm or a simulation, hours in Miri, on nothing but numbers.
-const LONG: [&str; 6] = [
-    "control::",
-    "estimate::angle",
-    "estimate::describing_function",
-    "estimate::papers",
-    "worst_error",
-    "does_not_drift",
-];
+const LONG: [&str; 5] =
+    ["control::", "estimate::angle", "estimate::describing_function", "worst_error", "does_not_drift"];
 
 /// Runs the core's unit tests, but the [`LONG`] ones, and those of the link.
 pub fn run(filter: Option<&str>) -> Result<()> {

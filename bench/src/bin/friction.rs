@@ -11,10 +11,10 @@ use anyhow::{Context, Result, anyhow};
 use breakaway::identify::estimate::identify;
 use breakaway::recording::Recording;
 use breakaway_bench::{timed, write_numbers};
-use breakaway_core::estimate::papers::{PaperEstimate, RelayExperiment, equation_17, memo_listing};
 use breakaway_core::estimate::sine::{FrequencySearch, SineModel, even, fit_free};
 use breakaway_hidden::{Case, Experiment, Record};
 use breakaway_tests::blind::recording;
+use breakaway_tests::papers::{PaperEstimate, RelayExperiment, equation_17, memo_listing};
 
 /// The relay's amplitudes and the settled cycle's fundamental, as the papers' formulas want them.
 fn experiment(record: &Record) -> Result<RelayExperiment<f64>> {

@@ -17,6 +17,7 @@ use breakaway::report::figure::{Figure, Ink, Series, Strip, stack_over};
 use breakaway::simulate::axis::Axis;
 use breakaway::simulate::experiment::{Excitation, Experiment, Sensor};
 use breakaway_core::plant::{Base, Effect, Kind};
+use breakaway_tests::markdown::wrapped;
 
 /// The papers' plant (docs/theory.md, section 1), and what its model will miss.
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
@@ -59,7 +60,7 @@ fn main() -> Result<()> {
     for (name, figure) in &figures {
         write_whole(&docs.join(format!("images/{name}.svg")), |out| out.write_all(figure.file().as_bytes()))?;
     }
-    write_whole(&docs.join("scale.md"), |out| out.write_all(page(&lengths, &counts).as_bytes()))?;
+    write_whole(&docs.join("scale.md"), |out| out.write_all(wrapped(&page(&lengths, &counts)).as_bytes()))?;
     Ok(())
 }
 

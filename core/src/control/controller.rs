@@ -8,7 +8,7 @@ use super::trajectory::Setpoint;
 
 /// The feedback law.
 #[derive(Clone, Copy, Debug)]
-pub enum Law<R> {
+pub enum ControlLaw<R> {
     /// The PID of remark 1.
     Pid(Pid<R>),
     /// The adaptive law.
@@ -19,7 +19,7 @@ pub enum Law<R> {
 #[derive(Clone, Copy, Debug)]
 pub struct Controller<R> {
     /// The feedback law.
-    pub law: Law<R>,
+    pub law: ControlLaw<R>,
     /// The feed-forward compensator; absent and switched off are the same, bit by bit.
     pub compensator: Option<Compensator<R>>,
 }
@@ -46,8 +46,8 @@ impl<R: Fast> ControllerState<R> {
     /// The state at the start.
     pub fn start(controller: &Controller<R>) -> Self {
         let adaptive = match &controller.law {
-            Law::Pid(_) => AdaptiveState::default(),
-            Law::Adaptive(law) => law.start(),
+            ControlLaw::Pid(_) => AdaptiveState::default(),
+            ControlLaw::Adaptive(law) => law.start(),
         };
         Self { pid: PidState::default(), adaptive }
     }
@@ -56,12 +56,12 @@ impl<R: Fast> ControllerState<R> {
 impl<R: Fast> Controller<R> {
     /// A PID alone.
     pub const fn pid(pid: Pid<R>) -> Self {
-        Self { law: Law::Pid(pid), compensator: None }
+        Self { law: ControlLaw::Pid(pid), compensator: None }
     }
 
     /// An adaptive law alone.
     pub const fn adaptive(law: Adaptive<R>) -> Self {
-        Self { law: Law::Adaptive(law), compensator: None }
+        Self { law: ControlLaw::Adaptive(law), compensator: None }
     }
 
     /// With a compensator beside the law.
@@ -83,11 +83,11 @@ impl<R: Fast> Controller<R> {
         let placed = Setpoint { x: reference.x + origin, ..reference };
         let compensator = self.compensator.as_ref().filter(|compensator| compensator.is_on());
         let (mut u, limit) = match &self.law {
-            Law::Pid(pid) => {
+            ControlLaw::Pid(pid) => {
                 let u = pid.drive(&mut state.pid, reference, x);
                 (compensator.map_or(u, |feed| u + feed.drive(placed)), pid.limit())
             }
-            Law::Adaptive(law) => {
+            ControlLaw::Adaptive(law) => {
                 let direction = compensator.map_or_else(|| reference.v.sgn(), |feed| feed.direction(reference.v));
                 let u = law.drive(&mut state.adaptive, reference, x, direction);
                 (compensator.map_or(u, |feed| u + feed.effects_drive(placed)), law.limit())
@@ -99,8 +99,8 @@ impl<R: Fast> Controller<R> {
         // A comparison that is false for NaN: what is no number counts as saturated, and drives nothing.
         if u.abs() <= limit {
             match &self.law {
-                Law::Pid(pid) => pid.learn(&mut state.pid),
-                Law::Adaptive(law) => law.learn(&mut state.adaptive),
+                ControlLaw::Pid(pid) => pid.learn(&mut state.pid),
+                ControlLaw::Adaptive(law) => law.learn(&mut state.adaptive),
             }
             return Command { u, saturated: false };
         }
@@ -112,8 +112,8 @@ impl<R: Fast> Controller<R> {
             return Command { u: R::ZERO, saturated: true };
         };
         match &self.law {
-            Law::Pid(pid) => pid.cut(&mut state.pid, cut - u),
-            Law::Adaptive(law) => law.cut(&mut state.adaptive, cut - u),
+            ControlLaw::Pid(pid) => pid.cut(&mut state.pid, cut - u),
+            ControlLaw::Adaptive(law) => law.cut(&mut state.adaptive, cut - u),
         }
         Command { u: cut, saturated: true }
     }

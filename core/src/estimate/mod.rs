@@ -5,5 +5,4 @@ pub mod describing_function;
 pub mod limit_cycle;
 pub mod linear;
 pub mod modulating;
-pub mod papers;
 pub mod sine;

@@ -2,7 +2,7 @@
 //! and cosine of the tick ([`nco`]).
 
 #[cfg(feature = "micromath")]
-pub mod fast;
+pub mod approximate;
 mod fixed_point;
 mod float;
 pub mod nco;

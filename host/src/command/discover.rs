@@ -8,18 +8,19 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 
+use super::console;
 use super::output::Output;
-use super::progress;
+use super::progress::Steps;
 use super::recording_args::RecordingArgs;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
-use crate::file::{FileKind, Target};
+use crate::file::{FileKind, Target, shown};
 use crate::fit::Candidate;
-pub use crate::fleet::hash::hash;
 use crate::fleet::machine::Inputs;
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Recording;
-use crate::report::{discovery, json};
+use crate::report::discovery::{self, Fold};
+use crate::report::json;
 
 /// Find where simulation and recordings disagree, name the missing effect, add it to the model
 #[derive(clap::Args, Debug)]
@@ -92,24 +93,28 @@ impl Args {
             self.recordings.iter().chain(&self.holdout).chain(&self.model).map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &read)?;
         let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
-        let spinner = progress::spinner();
-        let found = find(&self.columns, &inputs, &|what| spinner.set_message(what.to_owned()))?;
-        spinner.finish_and_clear();
+        let steps = Steps::begin();
+        let (found, folds) = find(&self.columns, &inputs, &|what| steps.step(what))?;
+        steps.end();
         if let Some(target) = &self.output {
             target.write_text(&improved(&found).to_toml())?;
         }
         if let Some(target) = &self.report {
-            target.write_text(&discovery::html(&found))?;
+            target.write_text(&discovery::html(&found, &folds))?;
         }
-        output.print(&json::Document::from(&found), |_| told(&found))
+        output.print(&json::Document::from(&found), |_| in_words(&found))
     }
 }
 
-/// Reads the inputs and discovers; `progress` is told what is being done.
+/// Reads the inputs and discovers; `progress` is told what is being done. With the discovery come the folds of its effects.
 ///
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
-pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) + Sync)) -> anyhow::Result<Discovery> {
+pub fn find(
+    columns: &RecordingArgs,
+    inputs: &Inputs,
+    progress: &(dyn Fn(&str) + Sync),
+) -> anyhow::Result<(Discovery, Vec<Fold>)> {
     let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
     fit.is_apart_from(&score)?;
     let mut model = inputs.model.as_deref().map(Model::read).transpose()?;
@@ -122,15 +127,16 @@ pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: &(dyn Fn(&str) +
         recordings: fit.recordings,
         holdout: score.recordings,
         model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
-        provenance: provenance(inputs.fit.iter().chain(&inputs.score))?,
+        provenance: provenance(fit.hashes.into_iter().chain(score.hashes)),
     };
-    let first = inputs.fit.first().map(|path| path.display().to_string()).unwrap_or_default();
+    let first = inputs.fit.first().map(|path| shown(path)).unwrap_or_default();
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
     found.remarks.extend(converted.map(|unit| {
         format!("the position was converted from {unit} to rad, because gravity and eccentricity are laws of an angle in rad")
     }));
-    Ok(found)
+    let folds = discovery::folds(&request.recordings, &found);
+    Ok((found, folds))
 }
 
 /// The improved model as a model file has it.
@@ -156,17 +162,17 @@ pub fn improved(found: &Discovery) -> Model {
     }
 }
 
-fn provenance<'a>(files: impl Iterator<Item = &'a PathBuf>) -> anyhow::Result<Provenance> {
-    Ok(Provenance {
-        inputs: files.map(|path| Ok((path.display().to_string(), hash(path)?))).collect::<anyhow::Result<_>>()?,
+fn provenance(inputs: impl Iterator<Item = (String, String)>) -> Provenance {
+    Provenance {
+        inputs: inputs.collect(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" "),
-    })
+    }
 }
 
 /// The result for people.
-fn told(found: &Discovery) -> String {
-    let mut text = format!("{}\n{}\n", found.verdict.name().replace('_', " "), discovery::sentence::sentence(found));
+fn in_words(found: &Discovery) -> String {
+    let mut text = format!("{}: {}\n", found.verdict.name().replace('_', " "), discovery::sentence::sentence(found));
     for effect in &found.effects {
         let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);
         for p in &effect.parameters {
@@ -174,7 +180,7 @@ fn told(found: &Discovery) -> String {
             let _ = writeln!(text, "  {:<8}{:>14.6e} {error:<9} {:<10} {}", p.symbol, p.value, p.unit, p.meaning);
         }
         for rival in effect.rivals.iter().filter(|r| r.tied) {
-            let _ = writeln!(text, "  tied with {} (Δ {:.4}, z {:.1})", rival.kind.name(), rival.delta, rival.z);
+            let _ = writeln!(text, "  these recordings cannot tell it from {}", rival.kind.name());
         }
     }
     let _ = writeln!(
@@ -195,16 +201,8 @@ fn told(found: &Discovery) -> String {
     for row in found.where_map.iter().take(5) {
         let _ = writeln!(text, "  {:<26} {:>5.1} %  {:>5.1} %", row.coordinate, 100.0 * row.r2, 100.0 * row.r2_after);
     }
-    text.push_str("\ncandidates of the first round:\n");
-    for row in found.candidates.iter().take(8) {
-        // What did not come to the final has no evidence.
-        let evidence = if row.delta.is_finite() {
-            let lambda = if row.lambda.is_finite() { format!("  λ {:>9.0}", row.lambda) } else { String::new() };
-            format!("Δ {:>8.4}  z {:>6.1}{lambda}", row.delta, row.z)
-        } else {
-            "–".to_owned()
-        };
-        let _ = writeln!(text, "  {:<22} {evidence:<33}  {}", row.kind.name(), row.fate);
+    if console::is_verbose() {
+        text.push_str(&comparison(found));
     }
     if let Some(next) = &found.next_experiment {
         let names: Vec<&str> = next.separates.iter().map(|k| k.name()).collect();
@@ -216,9 +214,27 @@ fn told(found: &Discovery) -> String {
             next.difference_over_noise
         );
     }
-    for remark in &found.remarks {
+    // Which effect came closest is said in numbers.
+    let plain = |remark: &&String| console::is_verbose() || Some(*remark) != found.nearest.as_ref();
+    for remark in found.remarks.iter().filter(plain) {
         let _ = writeln!(text, "note: {remark}");
     }
     let _ = writeln!(text, "{} of {} segments simulated, {:.1} s", found.segments.0, found.segments.1, found.seconds);
+    text
+}
+
+/// The numbers of the first round, for who asks for more.
+fn comparison(found: &Discovery) -> String {
+    let mut text = String::from("\ncandidates of the first round:\n");
+    for row in found.candidates.iter().take(8) {
+        // What did not come to the final has no evidence.
+        let evidence = if row.delta.is_finite() {
+            let lambda = if row.lambda.is_finite() { format!("  λ {:>9.0}", row.lambda) } else { String::new() };
+            format!("Δ {:>8.4}  z {:>6.1}{lambda}", row.delta, row.z)
+        } else {
+            "–".to_owned()
+        };
+        let _ = writeln!(text, "  {:<22} {evidence:<33}  {}", row.kind.name(), row.fate);
+    }
     text
 }

@@ -10,8 +10,8 @@ use serde::Serialize;
 use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
-use crate::file::{FileKind, Target};
-use crate::identify::estimate::{self, Comparison, Estimate, Identified, Value};
+use crate::file::{FileKind, Target, shown};
+use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
@@ -91,7 +91,7 @@ struct Document {
 }
 
 impl Row {
-    fn new(estimate: &Estimate, units: &Units) -> Self {
+    fn new(estimate: &ModelEstimate, units: &Units) -> Self {
         let quantity = |value: Value, unit: String| Quantity { value: value.value, se: value.se, unit };
         Self {
             estimator: estimate.estimator,
@@ -110,7 +110,7 @@ impl HeldOut {
 }
 
 impl Document {
-    fn new(result: &Identified, units: &Units) -> Self {
+    fn new(result: &Identification, units: &Units) -> Self {
         let best = Row::new(&result.best, units);
         Self {
             b: best.b,
@@ -150,11 +150,11 @@ impl Args {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
         let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
-        let mut result = estimate::identify(&recordings).with_context(|| self.recordings[0].display().to_string())?;
+        let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
         result.remarks.extend(remarks);
         let units = recordings[0].units.clone();
         if let Some(target) = &self.output {
-            let names: Vec<String> = self.recordings.iter().map(|path| path.display().to_string()).collect();
+            let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
             target.write_text(&model(&result, &units, &names)?.to_toml())?;
         }
         output.print(&Document::new(&result, &units), table)
@@ -165,7 +165,7 @@ impl Args {
 ///
 /// # Errors
 /// An estimate outside the range of a plant.
-pub fn model(result: &Identified, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
+pub fn model(result: &Identification, units: &Units, sources: &[String]) -> anyhow::Result<Model> {
     let best = &result.best;
     let base = Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
         .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))?;

@@ -1,9 +1,10 @@
 //! The commands: one file each, with its arguments and a `run`.
 //!
-//! A new command is a variant of [`Command`], an arm in [`run`], and its file.
+//! A new command is a variant of [`CliCommand`], an arm in [`run`], and its file.
 
 pub mod capture;
 pub mod completions;
+pub mod console;
 pub mod demo;
 pub mod device;
 pub mod discover;
@@ -28,11 +29,14 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::device::DeviceError;
+use crate::recording::RecordingError;
+use console::Verbosity;
 use output::Output;
 
 /// Identify, simulate and discover friction in a servo axis.
 #[derive(Debug, Parser)]
 #[command(name = "breakaway", version, propagate_version = true)]
+#[allow(clippy::struct_excessive_bools, reason = "four switches of a command line, each by itself")]
 pub struct Cli {
     /// Print one JSON document on standard output; everything else goes to standard error
     #[arg(long, global = true)]
@@ -40,14 +44,20 @@ pub struct Cli {
     /// Replace files that breakaway did not write, and recordings of an earlier session; never an input
     #[arg(long, global = true)]
     pub force: bool,
+    /// No progress and no warnings on standard error, only errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say on standard error what is being done, a line for each step
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: CliCommand,
 }
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Show everything on a simulated axis: relay experiment, sine fit, model
     Demo(demo::Args),
     /// Run an experiment, or the standard suite, on the simulated plant or on a board
@@ -87,23 +97,28 @@ pub struct UsageError(pub String);
 
 /// Runs a command. Exit code 0: done; 1: the work could not be done, the reason is on standard error; 2: wrong usage.
 pub fn run(cli: Cli) -> ExitCode {
+    console::set(match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Normal,
+    });
     let output = Output { json: cli.json, force: cli.force, taken: false };
     let result = match cli.command {
-        Command::Demo(args) => args.run(output),
-        Command::Run(args) => args.run(output),
-        Command::Simulate(args) => args.run(output),
-        Command::Discover(args) => args.run(output),
-        Command::Identify(args) => args.run(output),
-        Command::Effects(args) => args.run(output),
-        Command::Sinefit(args) => args.run(output),
-        Command::VirtualBoard(args) => args.run(output),
-        Command::Capture(args) => args.run(output),
-        Command::Monitor(args) => args.run(output),
-        Command::Device(args) => args.run(output),
-        Command::Track(args) => args.run(output),
-        Command::Tune(args) => args.run(output),
-        Command::Completions(args) => args.run(output),
-        Command::Man(args) => args.run(output),
+        CliCommand::Demo(args) => args.run(output),
+        CliCommand::Run(args) => args.run(output),
+        CliCommand::Simulate(args) => args.run(output),
+        CliCommand::Discover(args) => args.run(output),
+        CliCommand::Identify(args) => args.run(output),
+        CliCommand::Effects(args) => args.run(output),
+        CliCommand::Sinefit(args) => args.run(output),
+        CliCommand::VirtualBoard(args) => args.run(output),
+        CliCommand::Capture(args) => args.run(output),
+        CliCommand::Monitor(args) => args.run(output),
+        CliCommand::Device(args) => args.run(output),
+        CliCommand::Track(args) => args.run(output),
+        CliCommand::Tune(args) => args.run(output),
+        CliCommand::Completions(args) => args.run(output),
+        CliCommand::Man(args) => args.run(output),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -113,6 +128,7 @@ pub fn run(cli: Cli) -> ExitCode {
             let interrupted = matches!(error.downcast_ref(), Some(DeviceError::Interrupted));
             ExitCode::from(match () {
                 () if error.is::<UsageError>() => 2,
+                () if matches!(error.downcast_ref(), Some(RecordingError::WindowReversed { .. })) => 2,
                 () if interrupted => crate::interrupt::INTERRUPTED,
                 () => 1,
             })

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::UsageError;
-use crate::file::{FileKind, Target, TargetError, apart, may_write};
+use crate::file::{FileKind, Target, TargetError, apart, is_standard_input, may_write};
 
 /// How results are printed, and what they may replace.
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +26,14 @@ impl Output {
     /// [`TargetError`]; a [`UsageError`] where the arguments contradict each other.
     pub fn claim(self, targets: &[(&Target, FileKind)], inputs: &[&Path]) -> anyhow::Result<Self> {
         let all: Vec<&Target> = targets.iter().map(|(target, _)| *target).collect();
-        apart(&all).map_err(told)?;
+        apart(&all).map_err(as_usage)?;
+        if inputs.iter().filter(|path| is_standard_input(path)).count() > 1 {
+            return Err(UsageError("`-` is given more than once; standard input can be read once".to_owned()).into());
+        }
         let mut taken = self.taken;
         for (target, kind) in targets {
             match target {
-                Target::Standard if self.json => return Err(told(TargetError::StandardWithJson)),
+                Target::Standard if self.json => return Err(as_usage(TargetError::StandardWithJson)),
                 Target::Standard => taken = true,
                 Target::File(path) => self.may_write(path, *kind, inputs)?,
             }
@@ -51,7 +54,7 @@ impl Output {
     /// # Errors
     /// A [`UsageError`].
     pub fn folder<'a>(self, path: &'a Path, what: &'static str) -> anyhow::Result<&'a Path> {
-        if path.as_os_str() == "-" { Err(told(TargetError::NotStandard { what })) } else { Ok(path) }
+        if path.as_os_str() == "-" { Err(as_usage(TargetError::NotStandard { what })) } else { Ok(path) }
     }
 
     /// Prints `document` as JSON, or with `--json` absent the text made from it.
@@ -76,6 +79,6 @@ impl Output {
 }
 
 /// An error of the arguments as one of usage.
-fn told(error: TargetError) -> anyhow::Error {
+fn as_usage(error: TargetError) -> anyhow::Error {
     if error.is_usage() { UsageError(error.to_string()).into() } else { error.into() }
 }

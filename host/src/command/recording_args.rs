@@ -4,8 +4,10 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::progress;
-use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, TimeUnit, Warning, Wrap, open};
+use super::{console, progress};
+use crate::file::{FileError, shown};
+use crate::fleet::hash::Hashing;
+use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, Source, TimeUnit, Warning, Wrap};
 
 /// Columns and rows of a recording; flatten it into a command's arguments.
 #[derive(Args, Clone, Debug, Default)]
@@ -38,6 +40,12 @@ pub struct RecordingArgs {
     /// Only rows whose column has this value; may be repeated. Where rows fall out, the recording is cut
     #[arg(long = "where", value_name = "COL=VALUE")]
     pub select: Vec<Selection>,
+    /// Only rows from this time on, s by the file's clock
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    pub from: Option<f64>,
+    /// Only rows up to this time
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    pub to: Option<f64>,
 }
 
 impl RecordingArgs {
@@ -52,6 +60,8 @@ impl RecordingArgs {
             encoder_step: self.encoder_step,
             wrap: self.wrap,
             counts_per_turn: self.counts_per_turn,
+            window_s: (self.from.is_some() || self.to.is_some())
+                .then(|| (self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY))),
             max_rows: None,
             select: self.select.clone(),
         }
@@ -62,13 +72,29 @@ impl RecordingArgs {
     /// # Errors
     /// [`RecordingError`], with file, line and column.
     pub fn read(&self, path: &Path) -> Result<Recording, RecordingError> {
-        let file = path.display().to_string();
-        let input = progress::reading(open(path)?);
-        let recording = Recording::read_from(&file, input, &self.options())?;
+        Ok(self.read_hashed(path)?.0)
+    }
+
+    /// Reads a recording as [`read`](Self::read) does. With it comes the SHA-256 of its bytes, in hex.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read_hashed(&self, path: &Path) -> Result<(Recording, String), RecordingError> {
+        // A contradiction among the arguments comes before what is wrong with the file.
+        self.options().check()?;
+        let file = shown(path);
+        let mut input = Hashing::new(progress::reading(Source::open(path)?));
+        let recording = Recording::read_from(&file, &mut input, &self.options())?;
+        let hash = input.finish().map_err(|error| FileError::reading(&file, &error))?;
+        let (rows, first, last) = (recording.t.len(), recording.t[0], recording.t[recording.t.len() - 1]);
+        console::detail(format_args!(
+            "{file}: {rows} rows, {first:.3} s to {last:.3} s, {} gap(s)",
+            recording.gaps.len()
+        ));
         for warning in recording.warnings() {
-            eprintln!("warning: {file}: {warning}");
+            console::warn(format_args!("{file}: {warning}"));
         }
-        Ok(recording)
+        Ok((recording, hash))
     }
 
     /// Reads one column of a recording (the position if `None`), with progress. Where the clock starts anew, the longest part.
@@ -76,13 +102,14 @@ impl RecordingArgs {
     /// # Errors
     /// [`RecordingError`], with file, line and column.
     pub fn read_signal(&self, path: &Path, column: Option<&str>) -> Result<Signal, RecordingError> {
-        let file = path.display().to_string();
-        let input = progress::reading(open(path)?);
+        self.options().check()?;
+        let file = shown(path);
+        let input = progress::reading(Source::open(path)?);
         let (signal, found) = Signal::read_mended(&file, input, column, &self.options())?;
         for warning in found {
-            eprintln!("warning: {file}: {warning}");
+            console::warn(format_args!("{file}: {warning}"));
             if let Warning::ClockRestarts { .. } = warning {
-                eprintln!("warning: {file}: the longest part, of {} rows, is used", signal.t.len());
+                console::warn(format_args!("{file}: the longest part, of {} rows, is used", signal.t.len()));
             }
         }
         Ok(signal)

@@ -16,7 +16,7 @@ use super::recording_args::positive;
 use crate::device::experiment::{Outcome, Runner};
 use crate::device::text;
 use crate::file::{inside, make_folder};
-use crate::identify::relay::{self, Ending};
+use crate::identify::relay::{self, RelayReport};
 use crate::interrupt::finish_first;
 use crate::model::{BaseSe, Model};
 use crate::recording::Units;
@@ -102,7 +102,7 @@ struct Entry {
     file: String,
     role: &'static str,
     samples: usize,
-    ending: Option<Ending>,
+    ending: Option<RelayReport>,
     /// Samples lost between board and host.
     #[serde(skip_serializing_if = "Option::is_none")]
     missing: Option<u64>,
@@ -245,12 +245,12 @@ impl Args {
 }
 
 /// How a run on a board ended: its own word for limits, the host's judgement of the recording otherwise.
-fn board_ending(outcome: &Outcome, f1: Option<f64>) -> Option<Ending> {
+fn board_ending(outcome: &Outcome, f1: Option<f64>) -> Option<RelayReport> {
     match outcome.ended.map(|ended| ended.ending) {
         Some(link::Ending::Limit { limit, value }) if !matches!(limit, Limit::Travel | Limit::Bound) => {
-            Some(Ending::LimitTripped { limit: text::limit_name(limit), value: f64::from(value) })
+            Some(RelayReport::LimitTripped { limit: text::limit_name(limit), value: f64::from(value) })
         }
-        _ if outcome.missing > 0 => Some(Ending::NotJudged { reason: "samples are missing" }),
+        _ if outcome.missing > 0 => Some(RelayReport::NotJudged { reason: "samples are missing" }),
         _ => relay::ending(&outcome.run, &outcome.experiment, f1),
     }
 }

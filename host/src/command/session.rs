@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::recording_args::RecordingArgs;
+use crate::file::shown;
 use crate::recording::{Recording, RecordingError, SessionError, Units, Warning};
 
 /// Recordings of which each moves, and what is to be said of the others.
@@ -12,6 +13,8 @@ pub struct Session {
     pub recordings: Vec<Recording>,
     /// The files of `recordings`, as they were given.
     pub files: Vec<String>,
+    /// Every file that was read, as it was given, and the SHA-256 of its bytes.
+    pub hashes: Vec<(String, String)>,
     /// One remark for each recording that was left out because it does not move.
     pub remarks: Vec<String>,
 }
@@ -26,8 +29,9 @@ impl RecordingArgs {
         let mut session = Session::default();
         let mut still: Option<SessionError> = None;
         for path in paths {
-            let file = path.as_ref().display().to_string();
-            let recording = self.read(path.as_ref())?;
+            let file = shown(path.as_ref());
+            let (recording, hash) = self.read_hashed(path.as_ref())?;
+            session.hashes.push((file.clone(), hash));
             if recording.moves() {
                 session.add(file, recording)?;
                 continue;

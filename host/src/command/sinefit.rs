@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use anyhow::Context;
 use serde::Serialize;
 
-use super::UsageError;
 use super::output::Output;
-use super::recording_args::{RecordingArgs, finite, positive};
+use super::recording_args::{RecordingArgs, positive};
+use crate::file::shown;
 use crate::sine::{self, SineFit};
 
 /// Fit `A·sin(ω(t − t0) + θ) + d` to one column, t0 the first sample used
@@ -30,12 +30,6 @@ pub struct Args {
     /// About how long a period is; the fit looks from half to twice that [default: found in the data]
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     pub period: Option<f64>,
-    /// Use samples from this time on
-    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
-    pub from: Option<f64>,
-    /// Use samples up to this time
-    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
-    pub to: Option<f64>,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -88,17 +82,12 @@ impl Args {
     /// Reads the recording, fits, prints.
     ///
     /// # Errors
-    /// A recording that cannot be used, or has no sine in it; [`UsageError`] if `--from` is not before `--to`.
+    /// A recording that cannot be used, or has no sine in it.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
-        let (from, to) = (self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY));
-        if from >= to {
-            let text = format!("--from {from} is not before --to {to}");
-            return Err(UsageError(text).into());
-        }
         let signal = self.columns.read_signal(&self.recording, self.signal.as_deref())?;
         let unit = signal.unit.clone().unwrap_or_default();
-        let fit = sine::fit(&signal, from..=to, self.period)
-            .with_context(|| format!("{}: column `{}`", self.recording.display(), signal.column))?;
+        let fit = sine::fit(&signal, f64::NEG_INFINITY..=f64::INFINITY, self.period)
+            .with_context(|| format!("{}: column `{}`", shown(&self.recording), signal.column))?;
         output.print(&Document::from(fit), |fit| table(fit, &unit))
     }
 }

@@ -25,7 +25,7 @@ struct Document {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Law {
+enum LawName {
     Pid,
     Adaptive,
 }
@@ -33,7 +33,7 @@ enum Law {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
-    law: Law,
+    law: LawName,
     tick_s: f64,
     delay_ticks: u32,
     drive_limit: f64,
@@ -131,7 +131,7 @@ impl Design {
                 speed: a.speed,
                 acceleration: a.acceleration,
             },
-            adaptive: matches!(law, Law::Adaptive),
+            adaptive: matches!(law, LawName::Adaptive),
             model,
         };
         design.controller::<f64>().map_err(|error| malformed(error.to_string()))?;

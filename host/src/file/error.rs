@@ -1,7 +1,7 @@
 //! Why a file could not be read or written, the same for every kind of file that is read.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use crate::mistaken::{Content, seems};
@@ -60,7 +60,30 @@ impl FileError {
     }
 }
 
-/// Reads a text file of a kind: `parse` has its name and its text. What `parse` refuses, and what is not UTF-8, is refused by
+/// Whether a path stands for standard input: `-`.
+pub fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// The name of an input in messages.
+pub fn shown(path: &Path) -> String {
+    if is_standard_input(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// Most bytes of a text that is read from standard input.
+const MOST_BYTES: u64 = 1 << 24;
+
+/// The bytes of a file, or of standard input up to [`MOST_BYTES`].
+fn content(path: &Path) -> io::Result<Vec<u8>> {
+    if !is_standard_input(path) {
+        return fs::read(path);
+    }
+    let mut content = Vec::new();
+    io::stdin().lock().take(MOST_BYTES).read_to_end(&mut content)?;
+    Ok(content)
+}
+
+/// Reads a text file of a kind; `-` is standard input: `parse` has its name and its text. What `parse` refuses, and what is not UTF-8, is refused by
 /// the kind of file that it seems to be, if it seems to be another.
 ///
 /// # Errors
@@ -70,8 +93,8 @@ pub fn read_as<T, E: From<FileError>>(
     wanted: Content,
     parse: impl FnOnce(&str, &str) -> Result<T, E>,
 ) -> Result<T, E> {
-    let file = path.display().to_string();
-    let content = fs::read(path).map_err(|source| FileError::reading(&file, &source))?;
+    let file = shown(path);
+    let content = content(path).map_err(|source| FileError::reading(&file, &source))?;
     let refused = |error: E| match seems(&content).filter(|found| *found != wanted && *found != Content::Toml) {
         Some(found) => FileError::OtherKind { file: file.clone(), wanted, found }.into(),
         None => error,

@@ -119,7 +119,9 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
 }
 
 fn csv_files(folder: &Path) -> Result<Vec<PathBuf>, FolderError> {
-    let csv = |path: &PathBuf| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case("csv")) && !path.is_dir();
+    let ends = |path: &Path, with: &str| path.extension().is_some_and(|ext| ext.eq_ignore_ascii_case(with));
+    let packed = |path: &Path| ends(path, "gz") && path.file_stem().is_some_and(|stem| ends(stem.as_ref(), "csv"));
+    let csv = |path: &PathBuf| (ends(path, "csv") || packed(path)) && !path.is_dir();
     let hidden = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
     Ok(entries(folder)?.into_iter().filter(|path| csv(path) && !hidden(path)).collect())
 }

@@ -56,7 +56,7 @@ pub fn write_csv(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
 }
 
 /// The table for a terminal.
-pub fn told(rows: &[Row]) -> String {
+pub fn in_words(rows: &[Row]) -> String {
     let mut cells = vec![["machine", "verdict", "what is missing", "shrink", "× noise", "s"].map(str::to_owned)];
     for row in rows.iter().filter(|row| row.reason.is_none()) {
         let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| number(value, 3));

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, describing_function};
 use breakaway_core::estimate::modulating::{Block, Modulating, Refusal, estimate};
 
-use super::estimate::{Estimate, Value};
+use super::estimate::{ModelEstimate, Value};
 use crate::fit::{Track, median};
 use crate::recording::{Recording, Signal};
 use crate::sine;
@@ -24,7 +24,7 @@ const MOST_RESIDUAL: f64 = 0.15;
 #[derive(Clone, Debug, Default)]
 pub struct CycleEstimates {
     /// `modulating` and `describing_function`, where they apply.
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<ModelEstimate>,
     /// Refusals, with the experiment that would help.
     pub remarks: Vec<String>,
 }
@@ -200,12 +200,12 @@ fn switching_period(u: &[f64]) -> Option<f64> {
     (steady * 10 >= intervals.len() * 9).then(|| intervals.iter().sum::<f64>() / intervals.len() as f64)
 }
 
-fn modulating(relays: &[Relay<'_>]) -> Result<Estimate, Refusal> {
+fn modulating(relays: &[Relay<'_>]) -> Result<ModelEstimate, Refusal> {
     let blocks: Vec<[Block; 1]> = relays.iter().filter_map(Relay::blocks).collect();
     let experiments: Vec<&[Block]> = blocks.iter().map(<[Block; 1]>::as_slice).collect();
     let found = estimate(&experiments)?;
     let [b, c, f1, _] = found.standard_errors;
-    Ok(Estimate {
+    Ok(ModelEstimate {
         estimator: "modulating",
         b: Value { value: found.b, se: b },
         c: Value { value: found.c, se: c },
@@ -214,8 +214,8 @@ fn modulating(relays: &[Relay<'_>]) -> Result<Estimate, Refusal> {
     })
 }
 
-fn describing(cycles: &[CycleFit<f64>]) -> Result<Estimate, DescribingError> {
+fn describing(cycles: &[CycleFit<f64>]) -> Result<ModelEstimate, DescribingError> {
     let found = describing_function(cycles)?;
     let value = |i: usize| Value { value: found.parameters[i], se: found.covariance[i][i].max(0.0).sqrt() };
-    Ok(Estimate { estimator: "describing_function", b: value(0), c: value(1), f1: value(2), load: None })
+    Ok(ModelEstimate { estimator: "describing_function", b: value(0), c: value(1), f1: value(2), load: None })
 }

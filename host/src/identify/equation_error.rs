@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::IdentifyError;
-use super::result::{Estimate, Value};
+use super::result::{ModelEstimate, Value};
 use super::weak::{self, WeakFit, Window};
 
 /// The estimator's name.
@@ -72,7 +72,7 @@ pub(super) fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, Iden
     }
 }
 
-pub(super) fn from_weak(fit: &WeakFit, both: bool) -> Estimate {
+pub(super) fn from_weak(fit: &WeakFit, both: bool) -> ModelEstimate {
     let value = |i: usize| Value { value: fit.coefficients[i], se: fit.covariance[(i, i)].max(0.0).sqrt() };
-    Estimate { estimator: WEAK_FORM, b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
+    ModelEstimate { estimator: WEAK_FORM, b: value(0), c: value(1), f1: value(2), load: both.then(|| value(3)) }
 }

@@ -19,7 +19,7 @@ pub use super::choice::{Choice, Reason};
 pub use super::error::IdentifyError;
 pub use super::gravity::GravityTrial;
 pub use super::held_out::Comparison;
-pub use super::result::{Estimate, Identified, Undetermined, Value};
+pub use super::result::{Identification, ModelEstimate, Undetermined, Value};
 
 /// Share of the drive that even a model with effects missing explains.
 const MOST_UNEXPLAINED: f64 = 0.3;
@@ -30,7 +30,7 @@ pub(super) const WHITE_RATIO: f64 = 1.5;
 ///
 /// # Errors
 /// [`IdentifyError`] says what is missing and which experiment would supply it.
-pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+pub fn identify(recordings: &[Recording]) -> Result<Identification, IdentifyError> {
     let (mut identified, prepared) = assuming_held(recordings)?;
     choose(&mut identified, &prepared);
     let mut identified = finished(identified, recordings);
@@ -44,12 +44,12 @@ pub fn identify(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
 ///
 /// # Errors
 /// As [`identify`].
-pub fn starting_model(recordings: &[Recording]) -> Result<Identified, IdentifyError> {
+pub fn starting_model(recordings: &[Recording]) -> Result<Identification, IdentifyError> {
     Ok(finished(assuming_held(recordings)?.0, recordings))
 }
 
 /// With the errors that an unknown drive between rows makes, and the load if it is significant then.
-fn finished(mut identified: Identified, recordings: &[Recording]) -> Identified {
+fn finished(mut identified: Identification, recordings: &[Recording]) -> Identification {
     if slow_log::is_slow(recordings) {
         identified = slow_log::with_unknown_drive(identified, recordings);
     }
@@ -58,7 +58,7 @@ fn finished(mut identified: Identified, recordings: &[Recording]) -> Identified 
 }
 
 /// Compares both estimators on held-out blocks, and reports the one that predicts them better.
-fn choose(identified: &mut Identified, prepared: &Prepared) {
+fn choose(identified: &mut Identification, prepared: &Prepared) {
     let found = |name| identified.estimates.iter().find(|estimate| estimate.estimator == name).cloned();
     let (Some(weak), Some(simulated)) = (found(WEAK_FORM), found(OUTPUT_ERROR)) else { return };
     // An inertia that equation error does not find leaves nothing to choose.
@@ -79,7 +79,7 @@ pub(super) struct Prepared {
 }
 
 /// Identifies with the drive held from row to row; the estimator reported is that of a tie.
-pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identified, Prepared), IdentifyError> {
+pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identification, Prepared), IdentifyError> {
     if recordings.is_empty() {
         return Err(IdentifyError::Nothing);
     }
@@ -150,7 +150,7 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identified, Pre
     let cycles = cycles::estimates(recordings, &tracks);
     estimates.extend(cycles.estimates);
     remarks.extend(cycles.remarks);
-    let identified = Identified {
+    let identified = Identification {
         load: significant_load(&best),
         best,
         estimates,
@@ -177,37 +177,37 @@ fn work(tracks: &[Track]) -> f64 {
     tracks.iter().map(of).sum()
 }
 
-fn remarks(estimates: &[Estimate], white: bool, ratio: f64) -> Vec<String> {
+fn remarks(estimates: &[ModelEstimate], white: bool, ratio: f64) -> Vec<String> {
     let mut remarks = vec![
         "c is back-EMF and viscous friction together (Ke + f2): they act alike, and position data cannot split them"
             .into(),
     ];
-    if !white {
-        remarks.push(format!(
-            "the simulation misses the recording by {ratio:.1} times the noise, so the model misses something; `breakaway \
-             discover` looks for it"
-        ));
-    }
-    if let [weak, simulated] = estimates {
+    let differ = if let [weak, simulated] = estimates {
         let differ = |a: Value, b: Value| (a.value - b.value).abs() > 3.0 * a.se.hypot(b.se);
         let differ = differ(weak.b, simulated.b) || differ(weak.c, simulated.c) || differ(weak.f1, simulated.f1);
-        if differ && white {
+        if !differ {
+            remarks.push(format!(
+                "weak_form and output_error agree within their errors; b differs by {:+.1} %",
+                100.0 * (simulated.b.value / weak.b.value - 1.0)
+            ));
+        } else if white {
             remarks.push(
                 "weak_form and output_error differ by more than their errors. The simulation follows the recording down to its \
                  noise, so the weak form is biased, by noise or by reversals within its windows"
                     .into(),
             );
-        } else if differ {
-            remarks.push(
-                "weak_form and output_error differ by more than their errors, because the model misses something"
-                    .into(),
-            );
-        } else {
-            remarks.push(format!(
-                "weak_form and output_error agree within their errors; b differs by {:+.1} %",
-                100.0 * (simulated.b.value / weak.b.value - 1.0)
-            ));
         }
+        differ
+    } else {
+        false
+    };
+    if !white {
+        // One remark, which a discovery replaces by what it finds.
+        let also = if differ { ", and weak_form and output_error differ by more than their errors" } else { "" };
+        remarks.push(format!(
+            "the simulation misses the recording by {ratio:.1} times the noise{also}, so the model misses something; \
+             `breakaway discover` looks for it"
+        ));
     }
     remarks
 }

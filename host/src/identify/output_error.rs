@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
-use super::result::{Estimate, Value};
+use super::result::{ModelEstimate, Value};
 use crate::fit::{self, Candidate, Fit, Free, Problem, Track};
 
 /// The estimator's name.
@@ -20,11 +20,11 @@ pub(super) fn small_inertia(tracks: &[Track]) -> f64 {
     0.1 * (mean_square(|track| &track.u) / mean_square(|track| &track.acceleration).max(f64::MIN_POSITIVE)).sqrt()
 }
 
-pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> Estimate {
+pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> ModelEstimate {
     let errors = problem.covariance(fit);
     let se = |free| errors.standard_error(free).unwrap_or(f64::NAN);
     let Base { b, c, f1 } = fit.candidate.base;
-    Estimate {
+    ModelEstimate {
         estimator: OUTPUT_ERROR,
         b: Value { value: b, se: se(Free::Base(0)) },
         c: Value { value: c, se: se(Free::Base(1)) },
@@ -47,13 +47,13 @@ pub(super) fn output_error<'a>(tracks: &'a [Track], segments: &'a [fit::Segment]
     Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None }
 }
 
-pub(super) fn fitted_from(problem: &Problem<'_>, start: &Estimate) -> Option<Fit> {
+pub(super) fn fitted_from(problem: &Problem<'_>, start: &ModelEstimate) -> Option<Fit> {
     let candidate = model_of(start);
     problem.fit(&candidate, &Free::all(&candidate.effects), None, FIT_ITERATIONS).ok()
 }
 
 /// The model of an estimate; a negative friction is none.
-pub(super) fn model_of(estimate: &Estimate) -> Candidate {
+pub(super) fn model_of(estimate: &ModelEstimate) -> Candidate {
     let base = Base { b: estimate.b.value, c: estimate.c.value.max(0.0), f1: estimate.f1.value.max(0.0) };
     let load = estimate.load.iter().map(|load| Effect::new(Kind::ConstantLoad, &[load.value]));
     Candidate { base, effects: load.collect() }

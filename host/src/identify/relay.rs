@@ -39,7 +39,7 @@ pub struct CycleNumbers {
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Ending {
+pub enum RelayReport {
     /// In a symmetric limit cycle.
     Settled(CycleNumbers),
     /// In a limit cycle whose directions differ.
@@ -79,15 +79,15 @@ pub enum Ending {
 
 /// How a run ended; `None` for an excitation that is no relay and met no limit. `f1` is the Coulomb friction (or the
 /// break-away force) where it is known: it says whether a limit cycle can exist, and how fast one settles.
-pub fn ending(run: &Run, experiment: &Experiment, f1: Option<f64>) -> Option<Ending> {
+pub fn ending(run: &Run, experiment: &Experiment, f1: Option<f64>) -> Option<RelayReport> {
     if let Some(value) = run.tripped {
-        return Some(Ending::LimitTripped { limit: "travel", value });
+        return Some(RelayReport::LimitTripped { limit: "travel", value });
     }
     let Excitation::Relay { h1, h2, hysteresis, reference } = experiment.excitation else {
         return None;
     };
     if moves(reference) {
-        return Some(Ending::NotJudged { reason: "the reference moves" });
+        return Some(RelayReport::NotJudged { reason: "the reference moves" });
     }
     let (count, counts) = relay_resolution(hysteresis, experiment.sensor);
     let samples = run.recording.x.len();
@@ -102,46 +102,46 @@ pub fn ending(run: &Run, experiment: &Experiment, f1: Option<f64>) -> Option<End
         timeout_s: (samples as f64 - 0.5) * experiment.tick_s,
         max_error: f64::INFINITY,
     };
-    let mut last = Ending::NotJudged { reason: "the run is empty" };
+    let mut last = RelayReport::NotJudged { reason: "the run is empty" };
     for tolerance in TOLERANCES {
         last = match LimitCycleDetector::new(DetectorSettings { tolerance, ..settings }) {
             Ok(detector) => judged(&detector, run, tolerance),
             Err(DetectorError::Timeout) => {
-                Ending::NotJudged { reason: "the run is too short to judge; give duration_s at least 17 ticks" }
+                RelayReport::NotJudged { reason: "the run is too short to judge; give duration_s at least 17 ticks" }
             }
-            Err(_) => Ending::NotJudged { reason: "the experiment is outside the detector's range" },
+            Err(_) => RelayReport::NotJudged { reason: "the experiment is outside the detector's range" },
         };
-        if !matches!(last, Ending::Timeout { .. }) {
+        if !matches!(last, RelayReport::Timeout { .. }) {
             break;
         }
     }
     let weak = NoLimitCycleReason::DriveBelowBreakaway.advice();
-    if last == (Ending::NoLimitCycle { reason: weak }) && f1.is_some_and(|f1| h1 + h2 > f1) {
-        last = Ending::NoLimitCycle { reason: STUCK };
+    if last == (RelayReport::NoLimitCycle { reason: weak }) && f1.is_some_and(|f1| h1 + h2 > f1) {
+        last = RelayReport::NoLimitCycle { reason: STUCK };
     }
     Some(last)
 }
 
 /// What the detector says of the whole run.
-fn judged(detector: &LimitCycleDetector<f64>, run: &Run, tolerance: f64) -> Ending {
+fn judged(detector: &LimitCycleDetector<f64>, run: &Run, tolerance: f64) -> RelayReport {
     let mut state = detector.start();
     let samples = run.recording.x.iter().zip(&run.recording.u);
     let outcome = samples.into_iter().find_map(|(x, u)| detector.push(&mut state, run.start - x, *u));
     match outcome {
-        Some(RelayOutcome::Settled(cycle)) => Ending::Settled(CycleNumbers::new(cycle, tolerance)),
+        Some(RelayOutcome::Settled(cycle)) => RelayReport::Settled(CycleNumbers::new(cycle, tolerance)),
         Some(RelayOutcome::Asymmetric { cycle, asymmetry }) => {
-            Ending::Asymmetric { cycle: CycleNumbers::new(cycle, tolerance), asymmetry }
+            RelayReport::Asymmetric { cycle: CycleNumbers::new(cycle, tolerance), asymmetry }
         }
-        Some(RelayOutcome::NoLimitCycle { reason }) => Ending::NoLimitCycle { reason: reason.advice() },
-        Some(RelayOutcome::Timeout { cycles, last_change }) => Ending::Timeout { cycles, last_change },
+        Some(RelayOutcome::NoLimitCycle { reason }) => RelayReport::NoLimitCycle { reason: reason.advice() },
+        Some(RelayOutcome::Timeout { cycles, last_change }) => RelayReport::Timeout { cycles, last_change },
         Some(RelayOutcome::LimitTripped { which: Limit::Error, value }) => {
-            Ending::LimitTripped { limit: "error", value }
+            RelayReport::LimitTripped { limit: "error", value }
         }
         Some(RelayOutcome::LimitTripped { which: Limit::NotFinite, value }) => {
-            Ending::LimitTripped { limit: "not_finite", value }
+            RelayReport::LimitTripped { limit: "not_finite", value }
         }
         // Not reached: the time given is that of the run.
-        None => Ending::Timeout { cycles: 0, last_change: 1.0 },
+        None => RelayReport::Timeout { cycles: 0, last_change: 1.0 },
     }
 }
 
@@ -170,7 +170,7 @@ impl CycleNumbers {
     }
 }
 
-impl Ending {
+impl RelayReport {
     /// The ending in words, with its numbers.
     pub fn text(&self, units: &Units) -> String {
         match self {

@@ -15,7 +15,7 @@ pub struct Value {
 
 /// What one estimator says.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
+pub struct ModelEstimate {
     /// Name: `weak_form`, `output_error`, and for relay limit cycles `modulating` and `describing_function`.
     pub estimator: &'static str,
     /// Inertia.
@@ -39,13 +39,13 @@ pub struct Undetermined {
 
 /// The result of an identification.
 #[derive(Clone, Debug)]
-pub struct Identified {
+pub struct Identification {
     /// The estimate to use.
-    pub best: Estimate,
+    pub best: ModelEstimate,
     /// Whose it is, and why.
     pub choice: Choice,
     /// All estimates.
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<ModelEstimate>,
     /// The load, if it is significant.
     pub load: Option<Value>,
     /// What the data cannot determine.

@@ -5,7 +5,7 @@
 //! drive that goes straight from row to row. Both are tried, and what they differ by is an error that no residual shows.
 
 use super::determined::weakly_determined;
-use super::estimate::{Estimate, Identified, assuming_held};
+use super::estimate::{Identification, ModelEstimate, assuming_held};
 use super::weak;
 use crate::recording::Recording;
 
@@ -23,7 +23,7 @@ pub(super) fn is_slow(recordings: &[Recording]) -> bool {
 }
 
 /// The result with the errors that the unknown drive between rows makes, unless the motion tells that it was held.
-pub(super) fn with_unknown_drive(mut held: Identified, recordings: &[Recording]) -> Identified {
+pub(super) fn with_unknown_drive(mut held: Identification, recordings: &[Recording]) -> Identification {
     let straight: Vec<Recording> = recordings.iter().map(straight).collect();
     let Ok((straight, _)) = assuming_held(&straight) else { return held };
     if straight.simulation_error > TELLS * held.simulation_error {
@@ -61,7 +61,7 @@ fn straight(recording: &Recording) -> Recording {
 }
 
 /// Adds the difference of another estimate to the standard errors. Returns the largest of b, c and f1, as a share.
-fn widen(best: &mut Estimate, other: &Estimate) -> f64 {
+fn widen(best: &mut ModelEstimate, other: &ModelEstimate) -> f64 {
     let pairs = [(&mut best.b, other.b), (&mut best.c, other.c), (&mut best.f1, other.f1)];
     let mut largest = 0.0_f64;
     for (value, other) in pairs {

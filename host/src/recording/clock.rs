@@ -10,7 +10,7 @@ use super::quality::Warning;
 use super::table::Table;
 use super::timing::median_interval;
 
-/// Rates of rows that are believed without being told, Hz. A servo's motion lasts tenths of seconds, so that fewer rows show
+/// Rates of rows that are believed where no unit is stated, Hz. A servo's motion lasts tenths of seconds, so that fewer rows show
 /// none of it; and no position is read more often than the fastest drives switch. Times of 0.2 to 200 kHz in ms, taken for s,
 /// are below this range; times in s, taken for ms, are above it.
 const BELIEVED_HZ: (f64, f64) = (5.0, 500e3);
@@ -115,7 +115,7 @@ pub(super) enum Clock {
         /// Its unit.
         unit: TimeUnit,
         /// Whether the user or the file's header says so; else it is what the name ends in, or s.
-        told: bool,
+        stated: bool,
     },
     /// The row number, by `--fs`.
     Rate { fs_hz: f64 },
@@ -126,9 +126,9 @@ pub(super) enum Clock {
 impl Clock {
     /// The column `name` as a clock.
     pub(super) fn column(index: usize, name: &str, wanted: Option<TimeUnit>, header: &Header) -> Self {
-        let told = wanted.or_else(|| header.units.get(name)?.parse().ok());
-        let unit = told.or_else(|| TimeUnit::of_name(name)).unwrap_or(TimeUnit::Seconds);
-        Self::Column { index, name: super::field::shown(name), unit, told: told.is_some() }
+        let stated = wanted.or_else(|| header.units.get(name)?.parse().ok());
+        let unit = stated.or_else(|| TimeUnit::of_name(name)).unwrap_or(TimeUnit::Seconds);
+        Self::Column { index, name: super::field::shown(name), unit, stated: stated.is_some() }
     }
 
     /// Time of a row in s: of its number in the file, from 0, or of what stands in the time column.
@@ -166,10 +166,10 @@ impl Table {
         let rate_hz = 1.0 / interval_s;
         let within = |(low, high): (f64, f64), rate: f64| low <= rate && rate <= high;
         let possible = within(POSSIBLE_HZ, rate_hz);
-        let Clock::Column { name, unit, told, .. } = &self.clock else {
+        let Clock::Column { name, unit, stated, .. } = &self.clock else {
             return if possible { Ok(()) } else { Err(ClockError::RowRate { file: file.to_owned(), rate_hz }.into()) };
         };
-        if possible && (*told || within(BELIEVED_HZ, rate_hz)) {
+        if possible && (*stated || within(BELIEVED_HZ, rate_hz)) {
             return Ok(());
         }
         let repeated = self.found.iter().find_map(|warning| match warning {

@@ -12,6 +12,11 @@ use super::limits::{MAX_COLUMNS, MAX_ROW_BYTES};
 use crate::file::FileError;
 use crate::nearest::did_you_mean;
 
+/// A time, s, without the digits below 1 µs that a sum of ticks leaves.
+fn in_microseconds(t_s: f64) -> f64 {
+    (1e6 * t_s).round() / 1e6
+}
+
 /// Why a file is not a recording that can be used, or could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -197,6 +202,27 @@ pub enum RecordingError {
         wanted: String,
         /// Some values the column does have.
         seen: Vec<String>,
+    },
+    /// `--from` is not before `--to`.
+    #[error("--from {from_s} is not before --to {to_s}")]
+    WindowReversed {
+        /// First time, s.
+        from_s: f64,
+        /// Last time, s.
+        to_s: f64,
+    },
+    /// `--from` and `--to` leave nothing.
+    #[error(
+        "{file}: no row from {} s to {} s; the recording runs from {} s to {} s", window_s.0, window_s.1,
+        in_microseconds(found_s.0), in_microseconds(found_s.1)
+    )]
+    OutsideWindow {
+        /// The file's name as it was given.
+        file: String,
+        /// First and last time asked for, s.
+        window_s: (f64, f64),
+        /// First and last time in the file, s.
+        found_s: (f64, f64),
     },
     /// The position rolls over, and nobody said that it does.
     #[error(

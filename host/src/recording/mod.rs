@@ -19,6 +19,7 @@ mod quantisation;
 mod refreshed;
 mod rows;
 mod signal;
+mod source;
 mod table;
 mod timing;
 mod units;
@@ -26,7 +27,6 @@ mod wrap;
 mod write;
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -38,13 +38,14 @@ pub use lines::Lines;
 pub use options::{ReadOptions, Selection};
 pub use quality::Warning;
 pub use signal::Signal;
+pub use source::Source;
 pub use timing::{EVEN_WITHIN, GAP_FACTOR, Timing};
 pub use units::Units;
 pub use wrap::Wrap;
 
 use table::{Table, Wanted};
 
-use crate::file::FileError;
+use crate::file::shown;
 
 /// Fewest rows of a file that are worth reading: twice the four unknowns of a sine fit.
 pub const MIN_ROWS: usize = 8;
@@ -86,7 +87,7 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, RecordingError> {
-        Self::read_from(&path.display().to_string(), open(path)?, options)
+        Self::read_from(&shown(path), Source::open(path)?, options)
     }
 
     /// Reads from `input`; `file` is its name in messages. Only the three columns are kept in memory.
@@ -140,22 +141,8 @@ impl Recording {
     }
 }
 
-/// Opens a recording's file.
-///
-/// # Errors
-/// [`FileError`] as [`RecordingError::File`]; [`RecordingError::Folder`].
-pub(crate) fn open(path: &Path) -> Result<File, RecordingError> {
-    let file = path.display().to_string();
-    if path.is_dir() {
-        // The suite's folders.
-        let part = [path.join("fit"), path.to_path_buf()].into_iter().find(|part| part.is_dir());
-        let files = part.unwrap_or_default().join("*.csv").display().to_string();
-        return Err(RecordingError::Folder { file, files });
-    }
-    File::open(path).map_err(|source| FileError::reading(&file, &source).into())
-}
-
-/// The name of a recording: its file's, without folder and ending.
+/// The name of a recording: its file's, without folder and endings.
 fn file_stem(file: &str) -> String {
+    let file = file.strip_suffix(".gz").unwrap_or(file);
     Path::new(file).file_stem().map_or_else(|| file.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

@@ -27,6 +27,8 @@ pub struct ReadOptions {
     pub encoder_step: Option<f64>,
     /// Position units per turn of the axis, if the position is in counts; else the file's header.
     pub counts_per_turn: Option<f64>,
+    /// First and last time of the rows that are kept, s by the file's clock; all rows if not given.
+    pub window_s: Option<(f64, f64)>,
     /// Most rows that are kept; [`MAX_ROWS`](super::MAX_ROWS) if not given.
     pub max_rows: Option<usize>,
     /// After how many position units the position starts anew; if not given, a position that does is refused.
@@ -51,7 +53,16 @@ impl ReadOptions {
         self.input.as_deref().unwrap_or("u")
     }
 
-    pub(super) fn check(&self) -> Result<(), RecordingError> {
+    /// Checks the options by themselves, without a file. Reading does so too.
+    ///
+    /// # Errors
+    /// [`RecordingError::Option`] and [`RecordingError::WindowReversed`].
+    pub fn check(&self) -> Result<(), RecordingError> {
+        if let Some((from_s, to_s)) = self.window_s
+            && from_s >= to_s
+        {
+            return Err(RecordingError::WindowReversed { from_s, to_s });
+        }
         for (option, value, range) in [
             ("--fs", self.fs_hz, POSSIBLE_HZ),
             ("--encoder-step", self.encoder_step, POSITIONS),

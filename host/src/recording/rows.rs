@@ -121,6 +121,10 @@ pub(super) struct RowReader<'a> {
     pub selection: Vec<(usize, &'a Selection)>,
     /// Values of `--where` columns, for the message when none matches.
     pub seen: Vec<String>,
+    /// First and last time of the rows that are kept, s.
+    pub window_s: Option<(f64, f64)>,
+    /// Earliest and latest time of the rows that lie outside of that window, s.
+    pub outside_s: Option<(f64, f64)>,
     /// The numbers of the last row, in the order of `indices`.
     pub values: Vec<f64>,
 }
@@ -159,6 +163,13 @@ impl RowReader<'_> {
         }
         let number_in = |index: usize| field::number(field(index)?, || place(index));
         let t = self.clock.time_s(number, number_in)?;
+        if let Some((from_s, to_s)) = self.window_s
+            && !(from_s <= t && t <= to_s)
+        {
+            let (first, last) = self.outside_s.unwrap_or((t, t));
+            self.outside_s = Some((first.min(t), last.max(t)));
+            return Ok(None);
+        }
         self.values.clear();
         for &index in &self.indices {
             self.values.push(number_in(index)?);

@@ -1,6 +1,5 @@
 //! One column of a recording, for what needs no drive.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -8,7 +7,8 @@ use super::error::{ClockError, Place, RecordingError};
 use super::options::ReadOptions;
 use super::quality::Warning;
 use super::table::{Table, Wanted};
-use super::{MIN_ROWS, file_stem, open, timing, units};
+use super::{MIN_ROWS, Source, file_stem, timing, units};
+use crate::file::shown;
 
 /// One signal over time. `t` increases strictly, all numbers are finite, the signal is not constant, and there are at least [`MIN_ROWS`].
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +33,7 @@ impl Signal {
     /// # Errors
     /// [`RecordingError`], with file, line and column.
     pub fn read(path: &Path, column: Option<&str>, options: &ReadOptions) -> Result<Self, RecordingError> {
-        let input: File = open(path)?;
-        Self::read_from(&path.display().to_string(), input, column, options)
+        Self::read_from(&shown(path), Source::open(path)?, column, options)
     }
 
     /// Reads from `input`; `file` is its name in messages.

@@ -13,6 +13,7 @@ use super::lines::LineOfRow;
 use super::options::{ReadOptions, Selection};
 use super::quality::Warning;
 use super::rows::{Names, RowReader, Rows};
+use super::source::unpacked;
 use crate::file::FileError;
 use crate::mistaken::{Content, seems};
 
@@ -52,6 +53,7 @@ impl Table {
         wanted: &[Wanted<'_>],
     ) -> Result<Self, RecordingError> {
         options.check()?;
+        let input = unpacked(input).map_err(|error| FileError::reading(file, &error))?;
         let (input, meter) = Limited::new(input);
         let mut input = BufReader::with_capacity(BUFFER, input);
         let mut header = Header::default();
@@ -95,15 +97,21 @@ impl Table {
             last_line: names.line,
             found: Vec::new(),
         };
-        let mut reader = RowReader { names: &names, clock, indices, selection, seen: Vec::new(), values: Vec::new() };
+        let window_s = options.window_s;
+        let (seen, values) = (Vec::new(), Vec::new());
+        let mut reader =
+            RowReader { names: &names, clock, indices, selection, seen, window_s, outside_s: None, values };
         let most = options.max_rows.unwrap_or(MAX_ROWS);
         table.read_rows(&mut rows, &mut reader, most)?;
         if table.t.is_empty() {
-            return Err(if reader.seen.is_empty() {
-                RecordingError::NoRows { file: file.to_owned(), line: names.line }
-            } else {
-                let seen = std::mem::take(&mut reader.seen);
-                RecordingError::NothingSelected { file: file.to_owned(), wanted: join(&options.select), seen }
+            let file = file.to_owned();
+            return Err(match (reader.window_s.zip(reader.outside_s), reader.seen.is_empty()) {
+                (Some((window_s, found_s)), _) => RecordingError::OutsideWindow { file, window_s, found_s },
+                (None, true) => RecordingError::NoRows { file, line: names.line },
+                (None, false) => {
+                    let seen = std::mem::take(&mut reader.seen);
+                    RecordingError::NothingSelected { file, wanted: join(&options.select), seen }
+                }
             });
         }
         if let Clock::Column { name, .. } = &table.clock {

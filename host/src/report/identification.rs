@@ -6,7 +6,7 @@ use super::choice;
 use super::figure::{Figure, Ink, Loop, Series, Strip, loops, stack};
 use super::page::{Section, list, table};
 use super::text::{escape, number, quantity, with_error};
-use crate::identify::estimate::{Identified, Value};
+use crate::identify::estimate::{Identification, Value};
 use crate::recording::Units;
 use crate::sine::SineFit;
 use breakaway_core::plant::Base;
@@ -51,7 +51,7 @@ pub struct Story<'a> {
     /// The relay experiments; at least one.
     pub cycles: Vec<Cycle>,
     /// The identified model.
-    pub identified: &'a Identified,
+    pub identified: &'a Identification,
     /// Units.
     pub units: Units,
     /// The true model, in a demonstration.

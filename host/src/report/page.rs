@@ -65,6 +65,8 @@ code,pre{font:13.5px/1.5 ui-monospace,'SF Mono',Menlo,Consolas,'DejaVu Sans Mono
 pre{background:var(--wash);border-radius:8px;padding:12px 14px;overflow-x:auto;margin:10px 0}
 code.hash{overflow-wrap:anywhere;color:var(--muted)}
 .law{background:var(--wash);border-left:3px solid var(--after);padding:8px 14px;margin:10px 0;font-size:17px;overflow-wrap:anywhere}
+.law+.scroll{margin-bottom:22px}
+details>summary{cursor:pointer;color:var(--after);margin:10px 0}
 .note{color:var(--muted);font-size:15px}
 .narrow{display:none}
 @media (max-width:640px){main{padding:18px 16px 40px}h1{font-size:22px}.wide{display:none}.narrow{display:block}dl.facts{gap:10px 22px}table{font-size:14px}th,td{padding-right:10px}th.n{white-space:normal}td:first-child{min-width:6.5em}td.w{min-width:11em}}

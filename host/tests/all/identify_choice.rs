@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use breakaway::identify::estimate::{Estimate, Identified, Reason, identify};
+use breakaway::identify::estimate::{Identification, ModelEstimate, Reason, identify};
 use breakaway::recording::{Recording, Units};
 use breakaway::report::choice;
 use breakaway::simulate::axis::Axis;
@@ -42,13 +42,13 @@ fn relays(effects: &[Effect<f64>], unit: &str, noise: f64, seed: u64) -> Vec<Rec
 }
 
 /// Root mean square of the relative errors of b, c and f1.
-fn off(estimate: &Estimate) -> f64 {
+fn off(estimate: &ModelEstimate) -> f64 {
     let ratios = [estimate.b.value / PLANT.b, estimate.c.value / PLANT.c, estimate.f1.value / PLANT.f1];
     (ratios.iter().map(|ratio| (ratio - 1.0).powi(2)).sum::<f64>() / 3.0).sqrt()
 }
 
 /// The estimate that is reported, and the other one.
-fn pair(found: &Identified) -> [&Estimate; 2] {
+fn pair(found: &Identification) -> [&ModelEstimate; 2] {
     let names = ["weak_form", "output_error"];
     let other = found.estimates.iter().find(|e| names.contains(&e.estimator) && e.estimator != found.best.estimator);
     [&found.best, other.unwrap()]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use breakaway::identify::estimate::{Identified, IdentifyError, identify};
+use breakaway::identify::estimate::{Identification, IdentifyError, identify};
 use breakaway::recording::{Recording, Units};
 use breakaway::simulate::axis::Axis;
 use breakaway::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
@@ -46,7 +46,7 @@ fn driven(samples: usize, tick_s: f64, drive: impl Fn(f64) -> f64) -> Recording 
     recording
 }
 
-fn within(found: &Identified, limits: [f64; 3]) {
+fn within(found: &Identification, limits: [f64; 3]) {
     let best = &found.best;
     for (name, value, truth, limit) in [
         ("b", best.b.value, PLANT.b, limits[0]),

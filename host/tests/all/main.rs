@@ -9,6 +9,7 @@ mod effects;
 mod fleet;
 mod identify_choice;
 mod identify_data;
+mod inputs;
 mod measured;
 mod messages;
 mod model;

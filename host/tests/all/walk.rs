@@ -28,6 +28,8 @@ fn shell(folder: &Path, line: &str) -> Output {
 fn done(folder: &Path, line: &str) {
     let output = shell(folder, line);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(!printed.contains("NaN"), "{line}: what has no error is said in words:\n{printed}");
 }
 
 /// Files that a command is told to write, found without its definition: `-o` and `--report`.
@@ -68,6 +70,9 @@ fn the_readmes_walk() {
     let (_, _, axis) = files.iter().find(|file| file.1 == "axis.toml").unwrap();
     let improved = fs::read_to_string(place.join("improved.toml")).unwrap();
     assert!(axis.contains("name = \"cogging\"") && improved.contains("name = \"cogging\""), "{improved}");
+    // What the base model missed is named, so no remark says any more that something is missing.
+    let report = fs::read_to_string(place.join("demo/discovery.html")).unwrap();
+    assert!(report.contains("The model missed cogging") && !report.contains("misses something"), "{report}");
 }
 
 /// Numbers agree within 5 % (another mathematics library, another order of threads), words exactly, spaces not at all.

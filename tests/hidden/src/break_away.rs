@@ -1,6 +1,6 @@
 //! The break-away force, found before the experiments, which are sized from it.
 
-use crate::law::Law;
+use crate::law::ForceLaw;
 use std::f64::consts::{PI, TAU};
 
 /// What a slow ramp of the drive in both directions finds, over one turn.
@@ -16,7 +16,7 @@ pub struct BreakAway {
 
 impl BreakAway {
     /// Static search on the true plant at session time 0.
-    pub fn find(law: &Law, limit: f64) -> Self {
+    pub fn find(law: &ForceLaw, limit: f64) -> Self {
         const PLACES: usize = 48;
         let mut found = Self { largest: 0.0, half: 0.0, offset: 0.0 };
         for i in 0..PLACES {
@@ -32,7 +32,7 @@ impl BreakAway {
 }
 
 /// Drive at which the body at rest just moves in the given direction.
-fn threshold(law: &Law, x: f64, limit: f64, side: f64) -> f64 {
+fn threshold(law: &ForceLaw, x: f64, limit: f64, side: f64) -> f64 {
     let moves = |u: f64| {
         let delivered = law.shape(u, 0.0);
         let force = law.drive_force(delivered, x, 0.0) + law.extra_force(x, 0.0, 0.0);

@@ -16,7 +16,7 @@
 //! - dahl, lugre: f1/σ0 = size × that peak-to-peak, at least 2 encoder steps (lugre also s = F/2);
 //! - flexible_coupling: mass ratio 0.05 + 1.2·size, resonance 15–60 Hz.
 
-use crate::law::{Bristle, Law, Pwm, Second, Stribeck, Wave};
+use crate::law::{Bristle, ForceLaw, Pwm, Second, Stribeck, Wave};
 use crate::machine::log_uniform;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -46,7 +46,7 @@ impl Reference {
 }
 
 /// Puts the named effect into the law, `size` as a fraction of the amplitude.
-pub fn hide(law: &mut Law, name: &str, size: f64, to: &Reference, rng: &mut ChaCha8Rng) {
+pub fn hide(law: &mut ForceLaw, name: &str, size: f64, to: &Reference, rng: &mut ChaCha8Rng) {
     let force = size * to.amplitude;
     let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
     let phi = rng.random_range(-PI..PI);
@@ -171,7 +171,7 @@ pub fn is_calibrated(name: &str) -> bool {
 }
 
 /// Multiplies the calibrated parameter, within its cap.
-pub fn rescale(law: &mut Law, name: &str, factor: f64) {
+pub fn rescale(law: &mut ForceLaw, name: &str, factor: f64) {
     match name {
         "asymmetric_viscous" => {
             law.d_asym = (law.d_asym * factor).clamp(-0.8 * law.c, 0.8 * law.c);

@@ -1,7 +1,7 @@
 //! The drive path: what becomes of the recorded, zero-order-held drive before it acts as a force.
 //! Order: gain drift, saturation, dead zone, delay, electrical pole.
 
-use crate::law::Law;
+use crate::law::ForceLaw;
 
 /// Memory of the drive path within one recording (the drive is 0 before it starts).
 #[derive(Clone, Debug, Default)]
@@ -18,7 +18,7 @@ pub struct Drive {
     held: usize,
 }
 
-impl Law {
+impl ForceLaw {
     /// Static part of the drive path at session time t.
     pub fn shape(&self, u: f64, t: f64) -> f64 {
         let drifted = u * (1.0 - self.gain_drift * t);
@@ -29,7 +29,7 @@ impl Law {
 
 impl Drive {
     /// Begins to hold the next sample, for so many ticks.
-    pub fn hold(&mut self, law: &Law, u: f64, t: f64, ticks: f64) {
+    pub fn hold(&mut self, law: &ForceLaw, u: f64, t: f64, ticks: f64) {
         let past = match (self.before.last(), self.shaped.last(), self.starts.last()) {
             (Some(before), Some(last), Some(start)) => before + last * (self.end - start),
             _ => 0.0,
@@ -43,7 +43,7 @@ impl Drive {
 
     /// Mean delivered drive over the piece `[offset, offset + h]` of the held sample; `ts` is the tick.
     /// The mean is exact for a delay of any fraction of a sample, and for the pole within a piece.
-    pub fn deliver(&mut self, law: &Law, offset: f64, h: f64, ts: f64) -> f64 {
+    pub fn deliver(&mut self, law: &ForceLaw, offset: f64, h: f64, ts: f64) -> f64 {
         let delayed = if law.delay > 0.0 {
             let end = (self.starts[self.held] + (offset + h - law.delay) / ts) * ts;
             (self.integral(end, ts) - self.integral(end - h, ts)) / h

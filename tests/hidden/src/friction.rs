@@ -2,11 +2,11 @@
 //! can be far above the sub-step's, so the bristle is solved exactly for the drift's constant velocity.
 
 use crate::{
-    law::{Bristle, Law},
+    law::{Bristle, ForceLaw},
     plant::{State, sign},
 };
 
-impl Law {
+impl ForceLaw {
     pub(crate) fn advance_bristle(&self, bristle: &Bristle, s: &mut State, t: f64, h: f64, u: f64) {
         self.kick(bristle, s, t, 0.5 * h, u);
         s.x += h * s.v;

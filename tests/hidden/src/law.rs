@@ -3,7 +3,7 @@
 /// Every parameter the plant may have; the default has no effect at all.
 /// Forces in drive units (V), positions in rad, times in s.
 #[derive(Clone, Debug, Default)]
-pub struct Law {
+pub struct ForceLaw {
     /// Base inertia b (V·s²/rad), viscous coefficient c (V·s/rad), Coulomb level f1 (V).
     pub b: f64,
     pub c: f64,
@@ -105,7 +105,7 @@ pub struct Pwm {
     pub ke: f64,
 }
 
-impl Law {
+impl ForceLaw {
     /// Drive that acts on the motor, from what the drive path delivers.
     pub fn drive_force(&self, u: f64, x: f64, v: f64) -> f64 {
         let gain = self.position_gain.map_or(1.0, |w| 1.0 + w.at(x));

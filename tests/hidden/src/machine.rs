@@ -1,6 +1,6 @@
 //! Random machines, by seed.
 
-use crate::{law::Law, world::World};
+use crate::{law::ForceLaw, world::World};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
@@ -87,7 +87,7 @@ impl Machine {
     }
 
     /// The base plant.
-    pub(crate) fn law(&self) -> Law {
-        Law { b: self.base.b, c: self.base.c, f1: self.base.f1, ..Law::default() }
+    pub(crate) fn law(&self) -> ForceLaw {
+        ForceLaw { b: self.base.b, c: self.base.c, f1: self.base.f1, ..ForceLaw::default() }
     }
 }

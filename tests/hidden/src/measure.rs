@@ -1,7 +1,7 @@
 //! How much of the truth the base model misses: as a force, and as a position.
 
 use crate::{
-    law::Law,
+    law::ForceLaw,
     machine::Machine,
     plant::{Plant, State},
     run::Trace,
@@ -83,18 +83,18 @@ fn solve(mut m: [[f64; 4]; 3]) -> [f64; 3] {
 
 /// RMS difference (rad) between the encoder's exact position and the true base plant run open loop
 /// under the same drive and random torque over 0.4 s segments, each from the true encoder position and velocity.
-pub fn base_error(base: &Law, traces: &[Trace], tick_s: f64) -> f64 {
+pub fn base_error(base: &ForceLaw, traces: &[Trace], tick_s: f64) -> f64 {
     segments_rms(base, traces, tick_s, |plant, _, trace, k| plant.x - trace.y[k])
 }
 
 /// RMS difference (rad) that the random torque makes to the true base plant over the same segments.
-pub fn torque_error(base: &Law, traces: &[Trace], tick_s: f64) -> f64 {
+pub fn torque_error(base: &ForceLaw, traces: &[Trace], tick_s: f64) -> f64 {
     segments_rms(base, traces, tick_s, |shaken, calm, _, _| shaken.x - calm.x)
 }
 
 /// RMS of the difference over all samples of the segments; it gets the base plant with and without random torque.
 fn segments_rms(
-    base: &Law,
+    base: &ForceLaw,
     traces: &[Trace],
     tick_s: f64,
     difference: impl Fn(&State, &State, &Trace, usize) -> f64,

@@ -4,7 +4,7 @@ use crate::{
     break_away::BreakAway,
     closed::{closed, track},
     experiment::{Experiment, Role},
-    law::Law,
+    law::ForceLaw,
     machine::Machine,
     world::World,
 };
@@ -81,7 +81,7 @@ fn multisine(samples: usize, tick_s: f64, peak: f64, offset: f64, machine: &Mach
 }
 
 /// The recordings of a session on this machine, for the plant with this law.
-pub fn plan(which: Experiment, machine: &Machine, law: &Law, world: &World, rng: &mut ChaCha8Rng) -> Vec<Spec> {
+pub fn plan(which: Experiment, machine: &Machine, law: &ForceLaw, world: &World, rng: &mut ChaCha8Rng) -> Vec<Spec> {
     let (tick_s, share) = (world.tick_s, world.share());
     let samples = |seconds: f64| (seconds * share / tick_s).round() as usize;
     let found = BreakAway::find(law, machine.drive_limit);

@@ -1,7 +1,7 @@
 //! The plant's integration: midpoint sub-steps while smooth, with reversal, stick and release located
 //! inside the sub-step; presliding states by a splitting whose bristle part is exact (`friction.rs`).
 
-use crate::{disturbance::Disturbance, drive::Drive, law::Law};
+use crate::{disturbance::Disturbance, drive::Drive, law::ForceLaw};
 
 /// Tick of the kind world's recordings, s.
 pub const TS: f64 = 1e-3;
@@ -55,7 +55,7 @@ pub fn sign(v: f64) -> f64 {
     if v == 0.0 { 0.0 } else { v.signum() }
 }
 
-impl Law {
+impl ForceLaw {
     /// Force on the motor without its friction.
     pub fn free_force(&self, s: &State, t: f64, u: f64) -> f64 {
         let coupling = self.second.as_ref().map_or(0.0, |two| two.coupling(s.x - s.x2, s.v - s.v2));
@@ -173,7 +173,7 @@ impl Law {
 /// A plant being driven: law, state, drive memory, random torque.
 #[derive(Clone, Debug)]
 pub struct Plant<'a> {
-    pub law: &'a Law,
+    pub law: &'a ForceLaw,
     pub state: State,
     pub drive: Drive,
     /// Sub-steps per tick.
@@ -186,7 +186,7 @@ pub struct Plant<'a> {
 
 impl<'a> Plant<'a> {
     /// In the kind world.
-    pub fn new(law: &'a Law, state: State, substeps: usize) -> Self {
+    pub fn new(law: &'a ForceLaw, state: State, substeps: usize) -> Self {
         Self { law, state, drive: Drive::default(), substeps, tick_s: TS, disturbance: None }
     }
 

@@ -3,7 +3,7 @@
 use crate::{
     controller::Controller,
     disturbance::Disturbance,
-    law::Law,
+    law::ForceLaw,
     machine::{Machine, stream},
     plan::Spec,
     plant::{Plant, State},
@@ -76,7 +76,14 @@ impl Supply<'_> {
 
 impl Case {
     /// Runs the recordings in `world`, with sub-steps of at most `step_s`.
-    pub(crate) fn run(&self, machine: &Machine, law: &Law, specs: &[Spec], world: &World, step_s: f64) -> Vec<Trace> {
+    pub(crate) fn run(
+        &self,
+        machine: &Machine,
+        law: &ForceLaw,
+        specs: &[Spec],
+        world: &World,
+        step_s: f64,
+    ) -> Vec<Trace> {
         let tick_s = world.tick_s;
         let streams = [SENSOR, TORQUE, CLOCK, ZERO];
         let mut random = Random(streams.map(|number| stream(self.seed, number)));
@@ -95,7 +102,7 @@ struct Random([ChaCha8Rng; 4]);
 
 fn record(
     machine: &Machine,
-    law: &Law,
+    law: &ForceLaw,
     spec: &Spec,
     world: &World,
     t0: f64,
@@ -141,7 +148,7 @@ fn record(
         trace.y_rate.push(v * slope);
         trace.seen.push(from_zero(reading.exact));
         trace.measured.push(from_zero(reading.reported));
-        let pushed = plant.sample_for(supplied, t, duration, |offset, s| sensor.pass(t + offset, law.encoder(s.x)));
+        let pushed = plant.sample_for(supplied, t, duration, |offset, s| sensor.measure(t + offset, law.encoder(s.x)));
         trace.torque.push(pushed);
     }
     trace

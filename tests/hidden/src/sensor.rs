@@ -53,7 +53,7 @@ impl Sensor {
     }
 
     /// Takes note of the exact position y at time t.
-    pub fn pass(&mut self, t: f64, y: f64) {
+    pub fn measure(&mut self, t: f64, y: f64) {
         self.past.push_back((t, y));
         let oldest = t - self.delay_s - self.held_s.unwrap_or(0.0) - MARGIN_S;
         while self.past.get(1).is_some_and(|(next, _)| *next < oldest) {

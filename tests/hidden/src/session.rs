@@ -3,7 +3,7 @@
 use crate::{
     effect::{Hidden, UnknownEffect},
     experiment::{Experiment, Role},
-    law::Law,
+    law::ForceLaw,
     machine::{Machine, stream},
     plan::{Spec, plan},
     truth::Truth,
@@ -147,7 +147,7 @@ impl Case {
         (session, truth)
     }
 
-    pub(crate) fn plan(&self, machine: &Machine, law: &Law) -> Vec<Spec> {
+    pub(crate) fn plan(&self, machine: &Machine, law: &ForceLaw) -> Vec<Spec> {
         plan(self.experiment, machine, law, &self.world, &mut stream(self.seed, 1))
     }
 }

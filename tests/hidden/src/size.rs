@@ -4,7 +4,7 @@ use crate::{
     draw::{Reference, hide, is_calibrated, rescale},
     effect::Hidden,
     experiment::Role,
-    law::Law,
+    law::ForceLaw,
     machine::{Machine, stream},
     measure::gap_force,
     session::Case,
@@ -15,7 +15,7 @@ const PILOT_STEP_S: f64 = 2.5e-4;
 
 impl Case {
     /// The law with the effects hidden in it, sized on this machine.
-    pub(crate) fn law(&self, machine: &Machine, base: &Law) -> Law {
+    pub(crate) fn law(&self, machine: &Machine, base: &ForceLaw) -> ForceLaw {
         let mut law = base.clone();
         let size = self.size_percent / 100.0;
         if self.effects.iter().all(|e| *e == Hidden::None) {
@@ -36,7 +36,7 @@ impl Case {
     }
 
     /// Scales the effect, alone on the base plant, until its largest force is the size asked for.
-    fn calibrate(&self, machine: &Machine, name: &str, alone: &mut Law, law: &mut Law) {
+    fn calibrate(&self, machine: &Machine, name: &str, alone: &mut ForceLaw, law: &mut ForceLaw) {
         let target = self.size_percent / 100.0 * machine.amplitude;
         // The force grows less than the parameter where it slows the motion: secants in logarithms.
         let (mut slope, mut last) = (1.0_f64, None::<(f64, f64)>);
@@ -61,7 +61,7 @@ impl Case {
         }
     }
 
-    fn reference(&self, machine: &Machine, base: &Law) -> Reference {
+    fn reference(&self, machine: &Machine, base: &ForceLaw) -> Reference {
         let specs = self.plan(machine, base);
         let world = self.world.calm();
         let traces = self.run(machine, base, &specs, &world, PILOT_STEP_S);

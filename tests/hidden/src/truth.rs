@@ -3,7 +3,7 @@
 use crate::{
     effect::Hidden,
     experiment::Role,
-    law::Law,
+    law::ForceLaw,
     machine::{Base, Machine},
     measure::{base_error, gap_force, gap_rms, torque_error},
     plan::Spec,
@@ -77,7 +77,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    pub(crate) fn new(case: &Case, machine: &Machine, law: &Law, specs: &[Spec], traces: &[Trace]) -> Self {
+    pub(crate) fn new(case: &Case, machine: &Machine, law: &ForceLaw, specs: &[Spec], traces: &[Trace]) -> Self {
         let gaps: Vec<Vec<f64>> = traces.iter().map(|t| gap_force(machine, t)).collect();
         let percent = 100.0 / machine.amplitude;
         let (refit, rms) = gap_rms(traces, &gaps);
@@ -138,7 +138,7 @@ impl Truth {
 }
 
 /// The named effect's parameters, by the table's symbols.
-fn parameters(law: &Law, name: &str) -> Vec<(&'static str, f64)> {
+fn parameters(law: &ForceLaw, name: &str) -> Vec<(&'static str, f64)> {
     let wave = |w: Option<crate::law::Wave>, symbols: [&'static str; 3]| match w {
         Some(w) => symbols.into_iter().zip([w.a, w.n, w.phi]).collect(),
         None => Vec::new(),

@@ -74,7 +74,7 @@ pub fn run(case: &Case) -> Result<(Scored, Discovery), String> {
 }
 
 /// The candidates of the first round and the remarks, a line each.
-pub fn told(found: &Discovery) -> Vec<String> {
+pub fn in_words(found: &Discovery) -> Vec<String> {
     let line =
         |c: &CandidateRow| format!("{:22} Δ {:.4} z {:.1} λ {:.0} {}", c.kind.name(), c.delta, c.z, c.lambda, c.fate);
     found.candidates.iter().map(line).chain(found.remarks.iter().cloned()).collect()

@@ -165,7 +165,7 @@ fn command_lines_parse_and_their_files_come_from_somewhere() {
                 );
             }
             there.extend(files.writes);
-            if let breakaway::command::Command::Effects(args) = &cli.command
+            if let breakaway::command::CliCommand::Effects(args) = &cli.command
                 && let Some(name) = args.name.as_deref().filter(|name| *name != EXAMPLE_EFFECT)
             {
                 assert!(breakaway_core::plant::Kind::ALL.iter().any(|kind| kind.name() == name), "{place}: {name}");
@@ -231,4 +231,19 @@ fn named_tests_and_examples_exist() {
         }
     }
     assert!(seen >= 8, "only {seen} were found");
+}
+
+/// No line of a page is longer than 100 characters, outside of tables and blocks. `BREAKAWAY_BLESS=1` breaks the lines; what
+/// has no place for a break (an address, a command in code) stays.
+#[test]
+fn lines_are_no_longer_than_a_person_reads() {
+    for (name, text) in pages() {
+        let wrapped = breakaway_tests::markdown::wrapped(&text);
+        if std::env::var_os("BREAKAWAY_BLESS").is_some() {
+            std::fs::write(root().join(&name), &wrapped).unwrap();
+            continue;
+        }
+        let line = text.lines().zip(wrapped.lines()).position(|(is, should)| is != should);
+        assert!(line.is_none(), "{name}:{}: longer than 100 characters, or near it", line.unwrap_or(0) + 1);
+    }
 }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use breakaway::identify::estimate::{Identified, identify};
+use breakaway::identify::estimate::{Identification, identify};
 use breakaway::recording::{ReadOptions, Recording};
 use breakaway_tests::measured_data;
 
-fn identified(data: &Path, file: &str, [time, input, position]: [&str; 3]) -> Identified {
+fn identified(data: &Path, file: &str, [time, input, position]: [&str; 3]) -> Identification {
     let options = ReadOptions {
         time: Some(time.to_owned()),
         input: Some(input.to_owned()),

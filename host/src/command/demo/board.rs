@@ -102,7 +102,7 @@ pub fn run(args: &Args, output: Output) -> anyhow::Result<()> {
     let found = discover(&request, &|_| ())?;
     spinner.finish_and_clear();
     let (report, model_file) = (folder.join("discovery.html"), folder.join("improved.toml"));
-    write(&report, &discovery::html(&found))?;
+    write(&report, &discovery::html(&found, &discovery::folds(&request.recordings, &found)))?;
     let model = improved(&found);
     model.write(&model_file)?;
 

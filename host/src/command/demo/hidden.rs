@@ -11,6 +11,7 @@ use crate::command::run::papers_plant;
 use crate::discover::engine::discover;
 use crate::discover::outcome::Discovery;
 use crate::report::discovery;
+use crate::report::text::with_error;
 use crate::simulate::axis::Axis;
 use crate::simulate::suite::{self, Machine};
 
@@ -44,7 +45,7 @@ pub struct Hunt {
     pub model: String,
     /// The story in lines.
     #[serde(skip)]
-    pub told: Vec<String>,
+    pub lines: Vec<String>,
 }
 
 /// What the seed hides.
@@ -68,7 +69,7 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
     })?;
     let found = discover(&request, &|_| ())?;
     let (report, model) = (folder.join("discovery.html"), folder.join("improved.toml"));
-    write(&report, &discovery::html(&found))?;
+    write(&report, &discovery::html(&found, &discovery::folds(&request.recordings, &found)))?;
     write(&folder.join("ladder.svg"), &discovery::ladder_figure(&found).file())?;
     improved(&found).write(&model)?;
     let ladder = [&found.ladder[0], &found.ladder[found.ladder.len() - 1]];
@@ -80,11 +81,11 @@ pub fn hunt(folder: &Path, seed: u64) -> anyhow::Result<Hunt> {
         noise_floor: found.noise_floor,
         report: report.display().to_string(),
         model: model.display().to_string(),
-        told: told(kind, breakaway.force, &found),
+        lines: in_words(kind, breakaway.force, &found),
     })
 }
 
-fn told(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
+fn in_words(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
     let mut lines = vec![
         format!("an effect was hidden in the axis; break-away force found: {force:.3} V; suite of 8 experiments, 60 s"),
         crate::report::discovery::sentence::sentence(found),
@@ -93,7 +94,7 @@ fn told(kind: Kind, force: f64, found: &Discovery) -> Vec<String> {
         let values: Vec<String> = effect
             .parameters
             .iter()
-            .map(|p| format!("{} = {:.4e} ± {:.0e} {}", p.symbol, p.value, p.se, p.unit))
+            .map(|p| format!("{} = {} {}", p.symbol, with_error(p.value, p.se), p.unit))
             .collect();
         lines.push(format!("{}: {}", effect.kind.definition().law, values.join(", ")));
     }

@@ -19,7 +19,7 @@ use super::progress;
 use super::run::papers_plant;
 use crate::file::{make_folder, write_whole};
 use crate::fit::{Candidate, Problem, Segment, Track, session};
-use crate::identify::estimate::{self, Identified, Value};
+use crate::identify::estimate::{self, Identification, Value};
 use crate::recording::{Recording, Signal, Units};
 use crate::report::identification::{self, Cycle, Span, Story};
 use crate::report::page::Page;
@@ -96,7 +96,7 @@ struct Learnt {
     experiments: Vec<Experiment>,
     recordings: Vec<Recording>,
     sines: Vec<SineFit>,
-    identified: Identified,
+    identified: Identification,
 }
 
 impl Args {
@@ -114,7 +114,7 @@ impl Args {
         make_folder(folder)?;
         let truth = papers_plant();
         let bar = progress::bar("demo", 4);
-        let learnt = learn(truth.base, &truth.units)?;
+        let learnt = identified(truth.base, &truth.units)?;
         bar.inc(1);
 
         let mut recordings = Vec::new();
@@ -149,7 +149,7 @@ impl Args {
             estimator: best.estimator,
             discovery,
             seconds: start.elapsed().as_secs_f64(),
-            story: told(&story),
+            story: in_words(&story),
         };
         output.print(&document, text)
     }
@@ -174,7 +174,7 @@ fn write(path: &Path, content: &str) -> anyhow::Result<()> {
 }
 
 /// Relay experiments, sine fits of their settled halves, and the identified model.
-fn learn(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
+fn identified(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
     // Every experiment begins at zero, as if the axis were homed in between.
     let axis = Axis::new(truth, &[], units.clone());
     let experiments: Vec<Experiment> = RELAYS
@@ -212,7 +212,7 @@ fn learn(truth: Base<f64>, units: &Units) -> anyhow::Result<Learnt> {
 }
 
 /// The identified base, with negative friction taken as none.
-fn base(identified: &Identified) -> anyhow::Result<Base<f64>> {
+fn base(identified: &Identification) -> anyhow::Result<Base<f64>> {
     let best = &identified.best;
     Base::new(best.b.value, best.c.value.max(0.0), best.f1.value.max(0.0))
         .map_err(|error| anyhow::anyhow!("the estimate is not a plant: {error}"))
@@ -320,7 +320,7 @@ fn worst(story: &Story<'_>) -> f64 {
 }
 
 /// The story in lines.
-fn told(story: &Story<'_>) -> Vec<String> {
+fn in_words(story: &Story<'_>) -> Vec<String> {
     let (units, mut lines) = (&story.units, Vec::new());
     for cycle in &story.cycles {
         lines.push(format!(
@@ -356,7 +356,7 @@ fn text(document: &Document) -> String {
         );
     }
     out.push('\n');
-    for line in &document.discovery.told {
+    for line in &document.discovery.lines {
         let _ = writeln!(out, "{line}");
     }
     let _ = writeln!(
@@ -374,7 +374,7 @@ mod tests {
     #[test]
     fn the_demo_finds_the_papers_plant() {
         let truth = papers_plant();
-        let learnt = learn(truth.base, &truth.units).unwrap();
+        let learnt = identified(truth.base, &truth.units).unwrap();
         let story = story(&learnt, truth.base, &truth.units).unwrap();
         let best = &learnt.identified.best;
         for (value, truth) in [(best.b, truth.base.b), (best.c, truth.base.c), (best.f1, truth.base.f1)] {

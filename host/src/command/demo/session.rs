@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::command::discover::hash;
 use crate::discover::engine::Request;
 use crate::discover::outcome::Provenance;
 use crate::file::make_folder;
+use crate::fleet::hash::hash;
 use crate::recording::Recording;
 use crate::simulate::experiment::Experiment;
 use crate::simulate::suite::Role;

@@ -15,7 +15,7 @@ use crate::fleet::machine::{Machine, machines};
 use crate::fleet::page::sentence;
 use crate::fleet::result::{Found, Place};
 use crate::fleet::row::Row;
-use crate::fleet::table::told;
+use crate::fleet::table::in_words;
 use crate::fleet::work::Job;
 use crate::report::{discovery, json};
 
@@ -66,10 +66,10 @@ impl Fleet<'_> {
         };
         let rows = job.run(
             |inputs| {
-                let found = find(self.columns, inputs, &|_| {})?;
+                let (found, folds) = find(self.columns, inputs, &|_| {})?;
                 Ok(Found {
                     model: improved(&found),
-                    report: discovery::html(&found),
+                    report: discovery::html(&found, &folds),
                     document: serde_json::to_value(json::Document::from(&found))?,
                 })
             },
@@ -87,7 +87,13 @@ impl Fleet<'_> {
             summary_html: self.output.join("summary.html").display().to_string(),
         };
         output.print(&document, |document| {
-            format!("{}\n{}\n{} and {}\n", told(&rows), sentence(&rows), document.summary_csv, document.summary_html)
+            format!(
+                "{}\n{}\n{} and {}\n",
+                in_words(&rows),
+                sentence(&rows),
+                document.summary_csv,
+                document.summary_html
+            )
         })?;
         let machines = rows.len();
         anyhow::ensure!(
@@ -152,6 +158,7 @@ impl Fleet<'_> {
             "encoder_step": options.encoder_step,
             "counts_per_turn": options.counts_per_turn,
             "wrap": options.wrap.map(|wrap| wrap.to_string()),
+            "window_s": options.window_s,
             "where": options.select.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Args;
+use crate::command::console;
 use crate::command::output::Output;
 use crate::file::{FileKind, TargetError, inside, may_write};
 use crate::simulate::experiment::Experiment;
@@ -44,7 +45,7 @@ impl Args {
                 Ok(()) => {
                     std::fs::remove_file(&path).with_context(|| format!("{}: cannot be removed", path.display()))?;
                 }
-                Err(_) => eprintln!("warning: {} is no recording of breakaway and stays", path.display()),
+                Err(_) => console::warn(format_args!("{} is no recording of breakaway and stays", path.display())),
             }
         }
         Ok(())

@@ -171,7 +171,7 @@ impl Way {
     fn take(&mut self, from: &mut File, ppm: u32) {
         let mut bytes = [0; CHUNK];
         if let (true, Ok(count)) = (self.waiting.is_empty(), from.read(&mut bytes)) {
-            self.noise.pass(&bytes[..count], ppm, &mut self.waiting);
+            self.noise.transmit(&bytes[..count], ppm, &mut self.waiting);
         }
     }
 

@@ -1,60 +1,60 @@
 //! The page of a discovery (docs/discovery.md, section 10).
 
 mod figures;
+mod fold;
+mod horizon;
 pub mod sentence;
 mod tables;
 
 use std::fmt::Write as _;
 
 pub use figures::{ladder_figure, overlay_figure};
+pub use fold::{Fold, folds};
 
 use super::page::{Page, Section, list};
 use super::text::{escape, number, quantity};
-use crate::discover::outcome::{Discovery, NextExperiment, Rung, Verdict};
+use crate::discover::outcome::{Discovery, NextExperiment, Rung, Verdict, WhereRow};
+use horizon::Horizon;
 
 /// Overlays that are shown; more of them say nothing new.
 const MOST_OVERLAYS: usize = 4;
 /// Coordinates whose curves are shown.
 const MOST_CURVES: usize = 3;
 
-/// The report of a discovery as one file.
-pub fn html(discovery: &Discovery) -> String {
-    page(discovery).html()
+/// The report of a discovery as one file; `folds` are those of its named effects ([`folds`](folds())).
+pub fn html(discovery: &Discovery, folds: &[Fold]) -> String {
+    page(discovery, folds).html()
 }
 
 /// The report of a discovery.
-pub fn page(discovery: &Discovery) -> Page {
+pub fn page(discovery: &Discovery, folds: &[Fold]) -> Page {
     let (badge, badge_class) = badge(discovery.verdict);
-    let mut sections = sections(discovery);
-    // Sentence, ladder and one overlay come before the first heading.
-    let lead = sections.remove(0).body;
     Page {
         title: "Breakaway discovery".into(),
         badge: badge.into(),
         badge_class,
         sentence: sentence::sentence(discovery),
         facts: facts(discovery),
-        lead,
-        sections,
+        lead: lead(discovery),
+        sections: sections(discovery, folds),
     }
 }
 
-/// The parts of the report, to be put into another page; the first is the summary: ladder and overlay.
-pub fn sections(discovery: &Discovery) -> Vec<Section> {
-    let mut sections = vec![Section::new("What was found", lead(discovery))];
+/// What comes under the lead.
+fn sections(discovery: &Discovery, folds: &[Fold]) -> Vec<Section> {
+    let mut sections = Vec::new();
     let mut add = |heading: &str, body: String| {
         if !body.is_empty() {
             sections.push(Section::new(heading, body));
         }
     };
-    add("Where the gap lives", where_it_lives(discovery));
+    add("Where the gap lives", where_it_lives(discovery, folds));
     add("What was added, and what else it could be", tables::effects(discovery));
-    add("Candidates", tables::candidates(discovery));
-    add("The model", tables::model(discovery));
     add("What the data cannot tell", cannot_tell(discovery));
     add("The experiment that would decide", discovery.next_experiment.as_ref().map_or_else(String::new, next));
     let more = discovery.overlays.iter().skip(1).take(MOST_OVERLAYS - 1);
     add("More held-out recordings", more.map(|overlay| overlay_figure(discovery, overlay).html()).collect());
+    add("How the effects were compared", tables::comparison(discovery));
     add("Provenance", tables::provenance(discovery));
     sections
 }
@@ -78,36 +78,45 @@ fn ends(discovery: &Discovery) -> Option<(&Rung, &Rung)> {
 
 fn facts(discovery: &Discovery) -> Vec<(String, String)> {
     let unit = &discovery.units.x;
+    let horizon = Horizon::of(discovery);
+    let error = format!("held-out error {}", horizon.words());
     let mut facts = Vec::new();
     let mut fact = |what: &str, value: String| facts.push((what.to_owned(), value));
     if let Some((first, last)) = ends(discovery) {
-        let (a, b) = (first.holdout_open_loop_rmse, last.holdout_open_loop_rmse);
-        fact("held-out error, 1 s ahead", format!("{} → {}", quantity(a, unit, 2), quantity(b, unit, 2)));
-        fact("smaller by", format!("{} ×", number(a / b, 2)));
+        let [before, after] = [first, last].map(|rung| horizon.error(rung));
+        fact(&error, format!("{} → {}", quantity(before, unit, 2), quantity(after, unit, 2)));
+        if after < before {
+            fact("smaller by", format!("{} ×", number(before / after, 2)));
+        }
     } else if let Some(base) = discovery.ladder.first() {
-        fact("held-out error, 1 s ahead", quantity(base.holdout_open_loop_rmse, unit, 2));
+        fact(&error, quantity(horizon.error(base), unit, 2));
     }
     fact("position noise", quantity(discovery.noise_floor, unit, 2));
+    if let Some(force) = discovery.force {
+        let left = quantity(force.random, &discovery.units.u, 2);
+        fact("force left", format!("{left} below {} Hz", number(force.bandwidth_hz, 2)));
+    }
     fact("recordings", discovery.provenance.inputs.len().to_string());
     fact("time taken", quantity(discovery.seconds, "s", 2));
     facts
 }
 
 fn lead(discovery: &Discovery) -> String {
-    let mut out = String::new();
-    if !discovery.ladder.is_empty() {
+    let mut out = tables::model(discovery);
+    // Of one model the table says it all.
+    if discovery.ladder.len() > 1 {
         out.push_str(&ladder_figure(discovery).html());
     }
     if let Some(overlay) = discovery.overlays.first() {
         out.push_str(&overlay_figure(discovery, overlay).html());
     }
-    if discovery.ladder.len() > 1 {
+    if !discovery.ladder.is_empty() {
         out.push_str(&tables::ladder(discovery));
     }
     out
 }
 
-fn where_it_lives(discovery: &Discovery) -> String {
+fn where_it_lives(discovery: &Discovery, folds: &[Fold]) -> String {
     if discovery.where_map.is_empty() {
         return String::new();
     }
@@ -115,8 +124,23 @@ fn where_it_lives(discovery: &Discovery) -> String {
         "<p>The force that the base model leaves unexplained is averaged over one coordinate at a time. The share of it \
          that such averages predict on data they were not taken from says where the missing effect acts.</p>\n",
     );
+    if discovery.effects.is_empty() && sentence::place(discovery).is_none() {
+        let _ = writeln!(
+            out,
+            "<p>Here no coordinate predicts it: the best of them, {}, predicts {:.0} %, which is no more than chance.</p>",
+            escape(discovery.where_map[0].coordinate),
+            100.0 * discovery.where_map[0].r2.max(0.0)
+        );
+    }
     out.push_str(&figures::map_figure(discovery).html());
-    for row in discovery.where_map.iter().filter(|row| !row.curve.is_empty()).take(MOST_CURVES) {
+    for fold in folds {
+        out.push_str(&figures::fold_figure(discovery, fold).html());
+    }
+    // Averages over the whole travel blur what repeats along it; the fold has it.
+    let blurred = |row: &WhereRow| folds.iter().any(|fold| fold.coordinate == row.coordinate);
+    let curves =
+        discovery.where_map.iter().filter(|row| !row.curve.is_empty() && !blurred(row) && row.r2 >= sentence::PREDICTS);
+    for row in curves.take(MOST_CURVES) {
         out.push_str(&figures::curve_figure(discovery, row).html());
     }
     out
@@ -135,7 +159,8 @@ fn cannot_tell(discovery: &Discovery) -> String {
             ));
         }
     }
-    items.extend(discovery.remarks.iter().cloned());
+    // Which effect came closest is said in numbers, where the effects are compared.
+    items.extend(discovery.remarks.iter().filter(|remark| Some(*remark) != discovery.nearest.as_ref()).cloned());
     if items.is_empty() { String::new() } else { list(&items) }
 }
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::discover::outcome::{Discovery, NamedEffect, ParameterValue};
+use super::sentence::within_a_sentence;
+use crate::discover::outcome::{Discovery, NamedEffect};
 use crate::report::page::table;
 use crate::report::text::{escape, number, quantity, with_error};
 
@@ -27,15 +28,28 @@ pub(super) fn ladder(discovery: &Discovery) -> String {
     table(&[("model", ""), ("held-out, 1 s", "n"), ("held-out, 0.4 s", "n"), ("fitted, 0.4 s", "n")], &rows)
 }
 
-/// Each added effect: law, parameters, rivals.
+/// Each added effect: law, what shows it, and what else it could be.
 pub(super) fn effects(discovery: &Discovery) -> String {
     discovery.effects.iter().map(effect).collect()
 }
 
 fn effect(effect: &NamedEffect) -> String {
     let definition = effect.kind.definition();
-    let mut out = format!(
-        "<h3>{} <code>{}</code></h3>\n<p class=\"law\">{}</p>\n<p class=\"note\">Shown by: {}.{}</p>\n",
+    let titles = |tied: bool| -> Vec<&str> {
+        effect.rivals.iter().filter(|rival| rival.tied == tied).map(|rival| rival.kind.definition().title).collect()
+    };
+    let rivals = match (titles(true).as_slice(), titles(false).as_slice()) {
+        ([], []) => "No other effect came near.".to_owned(),
+        ([], lost) => format!("Its simulation is better than that of the next best: {}.", lost.join(", ")),
+        (tied, []) => format!("These recordings cannot tell it from {}.", tied.join(" or ")),
+        (tied, lost) => format!(
+            "These recordings cannot tell it from {}. Its simulation is better than that of {}.",
+            tied.join(" or "),
+            lost.join(", ")
+        ),
+    };
+    format!(
+        "<h3>{} <code>{}</code></h3>\n<p class=\"law\">{}</p>\n<p class=\"note\">Shown by: {}.{}</p>\n<p>{}</p>\n",
         escape(definition.title),
         escape(definition.name),
         escape(definition.law),
@@ -44,46 +58,47 @@ fn effect(effect: &NamedEffect) -> String {
             || " A controller cannot compensate it.".to_owned(),
             |how| format!(" Compensated by {}.", escape(how))
         ),
-    );
-    out.push_str(&parameters(&effect.parameters));
-    if effect.rivals.is_empty() {
-        out.push_str("<p class=\"note\">No other effect came near.</p>\n");
-        return out;
-    }
-    let rows: Vec<_> = effect
-        .rivals
-        .iter()
-        .map(|rival| {
-            let fate = if rival.tied {
-                "tied: these recordings cannot tell the two apart".to_owned()
-            } else {
-                format!("lost: its simulation is worse segment by segment, {} standard deviations", number(rival.z, 2))
-            };
-            let title = escape(rival.kind.definition().title);
-            (rival.tied, vec![title, number(rival.delta, 2), number(rival.z, 2), escape(&fate)])
-        })
-        .collect();
-    out.push_str(&table(&[("rival", ""), ("Δ", "n"), ("z", "n"), ("why it is not the one", "w")], &rows));
-    out
+        escape(&rivals),
+    )
 }
 
-fn parameters(parameters: &[ParameterValue]) -> String {
-    let rows: Vec<_> = parameters
-        .iter()
-        .map(|p| {
-            let value = escape(&with_error(p.value, p.se));
-            let unit = if p.unit == "1" { String::new() } else { escape(&p.unit) };
-            (false, vec![format!("<i>{}</i>", escape(p.symbol)), value, unit, escape(p.meaning)])
-        })
-        .collect();
-    table(&[("", ""), ("value ± standard error", "q"), ("unit", ""), ("what it is", "w")], &rows)
+/// The numbers by which effects were compared, folded away: who needs them knows what they are.
+pub(super) fn comparison(discovery: &Discovery) -> String {
+    let mut out = String::new();
+    for effect in discovery.effects.iter().filter(|effect| !effect.rivals.is_empty()) {
+        let rows: Vec<_> = effect
+            .rivals
+            .iter()
+            .map(|rival| {
+                let title = escape(rival.kind.definition().title);
+                let fate = if rival.tied { "tied" } else { "lost" };
+                (rival.tied, vec![title, number(rival.delta, 2), number(rival.z, 2), fate.to_owned()])
+            })
+            .collect();
+        let columns = [("rival", ""), ("Δ", "n"), ("z", "n"), ("", "w")];
+        let title = escape(effect.kind.definition().title);
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "<h3>Rivals of {title}</h3>\n{}", table(&columns, &rows));
+    }
+    if let Some(nearest) = &discovery.nearest {
+        let _ = writeln!(out, "<p>{}</p>", escape(nearest));
+    }
+    if !discovery.candidates.is_empty() {
+        let _ = writeln!(out, "<h3>First round</h3>\n{}", candidates(discovery));
+    }
+    if out.is_empty() {
+        return out;
+    }
+    format!(
+        "<details>\n<summary>Numbers of every effect that was tried</summary>\n<p class=\"note\">Δ is the mean gain in \
+         log(noise² + error²) over the model that it is compared with, z is Δ over its standard error, and λ is the \
+         logarithm of the likelihood ratio. All three are in nats or without unit; docs/discovery.md defines them.</p>\n\
+         {out}</details>\n"
+    )
 }
 
 /// The candidates of the first round.
-pub(super) fn candidates(discovery: &Discovery) -> String {
-    if discovery.candidates.is_empty() {
-        return String::new();
-    }
+fn candidates(discovery: &Discovery) -> String {
     let rows: Vec<_> = discovery
         .candidates
         .iter()
@@ -96,48 +111,61 @@ pub(super) fn candidates(discovery: &Discovery) -> String {
             (named, cells)
         })
         .collect();
-    let columns = [("effect", ""), ("Δ", "n"), ("z", "n"), ("λ", "n"), ("what became of it", "w")];
-    format!(
-        "<p class=\"note\">First round, each effect fitted by simulation with the base free. Δ is the mean improvement of \
-         log(noise² + error²) per segment over the base model, z its score over paired segments, λ the effective \
-         log-likelihood ratio.</p>\n{}",
-        table(&columns, &rows)
-    )
+    table(&[("effect", ""), ("Δ", "n"), ("z", "n"), ("λ", "n"), ("what became of it", "w")], &rows)
 }
 
-/// The final base parameters and the noise.
+/// The model's equation, and its parameters before and after.
 pub(super) fn model(discovery: &Discovery) -> String {
-    let Some(rung) = discovery.ladder.last() else { return String::new() };
+    let (Some(first), Some(last)) = (discovery.ladder.first(), discovery.ladder.last()) else { return String::new() };
     let units = &discovery.units;
-    let rows = [
-        ("b", "inertia over motor gain", rung.base.b, units.of_b()),
-        ("c", "viscous friction and back-EMF", rung.base.c, units.of_c()),
-        ("f1", "Coulomb friction", rung.base.f1, units.of_f1()),
+    let changed = discovery.ladder.len() > 1;
+    let base = [
+        ("b", "inertia over motor gain", first.base.b, last.base.b, units.of_b()),
+        ("c", "viscous friction and back-EMF", first.base.c, last.base.c, units.of_c()),
+        ("f1", "Coulomb friction", first.base.f1, last.base.f1, units.of_f1()),
     ];
-    let rows: Vec<_> = rows
+    let row = |symbol: &str, before: String, after: String, unit: &str, meaning: &str| {
+        let mut cells = vec![format!("<i>{}</i>", escape(symbol))];
+        if changed {
+            cells.push(escape(&before));
+        }
+        let unit = if unit == "1" { "" } else { unit };
+        cells.extend([escape(&after), escape(unit), escape(meaning)]);
+        (false, cells)
+    };
+    let mut rows: Vec<_> = base
         .into_iter()
         .zip(discovery.base_se)
-        .map(|((symbol, meaning, value, unit), se)| {
-            let value = escape(&with_error(value, se));
-            (false, vec![format!("<i>{symbol}</i>"), value, escape(&unit), meaning.to_owned()])
+        .map(|((symbol, meaning, before, after, unit), se)| {
+            row(symbol, number(before, 4), with_error(after, se), &unit, meaning)
         })
         .collect();
-    let effects: String =
-        discovery.effects.iter().fold(String::new(), |all, effect| all + " + " + effect.kind.definition().name);
-    let (fitted, all) = discovery.segments;
-    format!(
-        "<p class=\"law\">b·ẍ + c·ẋ + f1·sgn ẋ = u{}</p>\n{}<p class=\"note\">Noise of the position: {}. {fitted} of {all} \
-         segments were simulated.</p>\n",
-        escape(&effects),
-        table(&[("", ""), ("value ± standard error", "q"), ("unit", ""), ("what it is", "w")], &rows),
-        escape(&quantity(discovery.noise_floor, &units.x, 3)),
-    )
+    for effect in &discovery.effects {
+        let title = within_a_sentence(effect.kind.definition().title);
+        rows.extend(effect.parameters.iter().map(|p| {
+            let meaning = format!("{title}: {}", p.meaning);
+            row(p.symbol, "–".to_owned(), with_error(p.value, p.se), &p.unit, &meaning)
+        }));
+    }
+    let mut columns = vec![("", "")];
+    if changed {
+        columns.push(("base model", "q"));
+    }
+    columns.push((if changed { "improved model ± standard error" } else { "value ± standard error" }, "q"));
+    columns.extend([("unit", ""), ("what it is", "w")]);
+    let mut names: Vec<&str> = discovery.model.effects.iter().map(|effect| effect.kind.name()).collect();
+    if names.is_empty() {
+        names = discovery.effects.iter().map(|effect| effect.kind.name()).collect();
+    }
+    let effects = names.iter().fold(String::new(), |sum, name| sum + " + " + name);
+    format!("<p class=\"law\">b·ẍ + c·ẋ + f1·sgn ẋ = u{}</p>\n{}", escape(&effects), table(&columns, &rows))
 }
 
 /// Inputs, version, command.
 pub(super) fn provenance(discovery: &Discovery) -> String {
     let from = &discovery.provenance;
-    let mut out = String::new();
+    let (fitted, all) = discovery.segments;
+    let mut out = format!("<p>{fitted} of {all} segments of the recordings were simulated.</p>\n");
     if !from.command.is_empty() {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "<pre>{}</pre>", escape(&from.command));

@@ -7,8 +7,8 @@ use super::sheet::{Sheet, through};
 /// Draws `before` and `after` (centre, mean, standard error) with bands of two standard errors; axes are named by
 /// (quantity, unit). An empty `after` is left out.
 pub fn bins(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), before: &[[f64; 3]], after: &[[f64; 3]]) -> Sheet {
-    let mut entries =
-        vec![Entry { class: "before", marker: Some(('■', "dot-before")), label: "before: base model (± 2 s.e.)" }];
+    let label = if after.is_empty() { "base model (± 2 s.e.)" } else { "before: base model (± 2 s.e.)" };
+    let mut entries = vec![Entry { class: "before", marker: Some(('■', "dot-before")), label }];
     if !after.is_empty() {
         entries.push(Entry {
             class: "after",

@@ -3,6 +3,7 @@
 mod bars;
 mod bins;
 mod decimate;
+mod fold;
 mod ladder;
 mod loops;
 mod panel;
@@ -13,6 +14,7 @@ mod style;
 
 pub use bars::{Bar, bars};
 pub use bins::bins;
+pub use fold::fold;
 pub use ladder::{Step, ladder};
 pub use loops::{Loop, loops};
 pub use scale::Scale;

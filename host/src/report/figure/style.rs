@@ -23,6 +23,7 @@ svg .grid{stroke:var(--rule);stroke-width:1;fill:none}
 svg .axis{stroke:var(--muted);stroke-width:1;fill:none}
 svg .measured{stroke:var(--measured);stroke-width:6}
 svg .before{stroke:var(--before);stroke-width:1.8;stroke-dasharray:7 4;stroke-linecap:butt}
+svg .error-before{stroke:var(--before);stroke-width:1.4}
 svg .after{stroke:var(--after);stroke-width:2}
 svg .drive{stroke:var(--drive);stroke-width:1.4;stroke-dasharray:2 0}
 svg .floor{stroke:var(--floor);stroke-width:1.8;stroke-dasharray:1.5 4}

@@ -4,9 +4,13 @@ mod sample;
 
 use std::path::Path;
 
-use breakaway::discover::outcome::Discovery;
+use breakaway::discover::outcome::{Discovery, Force};
+use breakaway::fit::Candidate;
 use breakaway::report::discovery;
 use breakaway::report::json::Document;
+use breakaway::simulate::axis::Axis;
+use breakaway::simulate::experiment::{Excitation, Experiment, Sensor};
+use breakaway_core::plant::{Effect, Kind};
 
 /// Every sample under its name. The pages are left in the target folder, for whoever wants to look at them.
 fn samples() -> [(&'static str, Discovery); 2] {
@@ -14,7 +18,7 @@ fn samples() -> [(&'static str, Discovery); 2] {
 }
 
 fn html(name: &str, sample: &Discovery) -> String {
-    let html = discovery::html(sample);
+    let html = discovery::html(sample, &[]);
     std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.html")), &html).unwrap();
     html
 }
@@ -118,8 +122,8 @@ fn figures_are_well_formed_and_finite_and_described() {
             assert!(svg.contains("<title>") && svg.contains("<desc>") && svg.contains("role=\"img\""));
             seen += 1;
         }
-        // Ladder, overlay, map and at least one curve, each at two widths.
-        assert!(seen >= 8 && seen % 2 == 0, "{name}: {seen} drawings");
+        // Overlay, map, at least one curve and, where something was added, the ladder, each at two widths.
+        assert!(seen >= if sample.effects.is_empty() { 6 } else { 8 } && seen % 2 == 0, "{name}: {seen} drawings");
         assert_well_formed(&discovery::ladder_figure(&sample).file());
     }
 }
@@ -143,7 +147,7 @@ fn figures_survive_data_that_are_not_numbers() {
     sample.where_map[0].curve[3] = [f64::NAN; 3];
     sample.where_map[1].curve.clear();
     sample.where_map[1].r2 = f64::NAN;
-    let html = discovery::html(&sample);
+    let html = discovery::html(&sample, &[]);
     assert!(!html.contains("NaN") && !html.contains(">inf"));
 }
 
@@ -158,4 +162,118 @@ fn the_overlay_keeps_its_points_few_and_its_drive_square() {
     // About 5.5 periods of four switchings each, two corners per switching.
     let corners = drive.expect("a drive").matches('L').count();
     assert!((30..60).contains(&corners), "{corners} corners");
+}
+
+/// What a force is worth in the headline: 91 % explained, 0.3 % of the drive left.
+fn force() -> Force {
+    Force {
+        drive: [0.1, 0.03],
+        acceleration: [0.1, 0.03],
+        coherence: 0.99,
+        half_width_s: 0.02,
+        random: 0.006,
+        random_share: 0.003,
+        bandwidth_hz: 19.0,
+        predictable: None,
+    }
+}
+
+/// The first line says what was missing, how much of the unexplained force it explains (1 − 0.3² = 91 %), and what is left.
+#[test]
+fn the_first_line_says_what_was_missing_what_it_explains_and_what_is_left() {
+    let mut sample = sample::explained();
+    sample.effects.remove(0);
+    sample.force = Some(force());
+    // At the noise what is left is no more than that.
+    let at_the_noise = discovery::sentence::sentence(&sample);
+    assert_eq!(
+        at_the_noise,
+        "The model missed cogging (force ripple). It explains 91 % of the unexplained force. What is left is the sensor's \
+         noise; as random force it is at most 0.30 % of the drive."
+    );
+    sample.noise_floor *= 0.5;
+    let above = discovery::sentence::sentence(&sample);
+    assert!(above.ends_with("What is left is random force of 0.30 % of the drive."), "{above}");
+    sample.force = Some(Force { predictable: Some("lost_rows"), ..force() });
+    let predictable = discovery::sentence::sentence(&sample);
+    assert!(predictable.ends_with("a force of 0.30 % of the drive; lost rows predicts a part of it."), "{predictable}");
+}
+
+/// The headline and the tiles tell of one horizon: 1 s, or 0.4 s where a model could not be judged over 1 s.
+#[test]
+fn headline_and_tiles_have_one_horizon() {
+    let mut sample = sample::explained();
+    for (short, horizon, errors) in [(false, "over 1 s", "44 mrad"), (true, "over 0.4 s", "10 mrad")] {
+        if short {
+            sample.ladder[1].holdout_open_loop_rmse = f64::NAN;
+        }
+        let page = discovery::page(&sample, &[]);
+        assert!(page.sentence.contains(&format!("error {horizon} falls from {errors}")), "{}", page.sentence);
+        let (what, value) = &page.facts[0];
+        assert_eq!(*what, format!("held-out error {horizon}"));
+        assert!(value.starts_with(errors), "{value}");
+    }
+}
+
+/// An unknown whose best coordinate predicts 1 % says that none does, and names no place.
+#[test]
+fn an_unknown_that_no_coordinate_predicts_says_so() {
+    let mut sample = sample::unknown();
+    assert!(discovery::sentence::sentence(&sample).ends_with("It lives along position, which predicts 63 % of it."));
+    sample.where_map[0].r2 = 0.01;
+    let html = html("unpredicted", &sample);
+    let page = skeleton(&html);
+    assert!(page.contains("No coordinate predicts it."), "{page}");
+    assert!(page.contains("the best of them, position, predicts 1 %, which is no more than chance."), "{page}");
+    assert!(page.contains("base model") && !page.contains("before: base model"), "{page}");
+    assert!(!page.contains("lives along") && !page.contains("Unexplained force over"), "{page}");
+}
+
+/// Δ, z, λ and nats stand inside the fold-out alone.
+#[test]
+fn statistics_are_folded_away() {
+    for (name, sample) in samples() {
+        let page = skeleton(&without(&html(name, &sample), "<details>", "</details>"));
+        for word in ["Δ", "λ", "nats", " z "] {
+            assert!(!page.contains(word), "{name}: {word}");
+        }
+    }
+}
+
+/// Cogging of 0.2 V and seven waves per radian, simulated with an encoder of 1 mrad: folded, the measured force lies on the
+/// law. 95 of 100 means lie within two standard errors of it; four, and 3 % of the amplitude for the average over a window
+/// (`fold.rs`), hold for all.
+#[test]
+fn a_folded_force_lies_on_its_law() {
+    let mut sample = sample::explained();
+    let cogging = Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5]);
+    let base = sample.ladder[0].base;
+    sample.effects.remove(0);
+    sample.model = Candidate { base, effects: vec![cogging] };
+    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of these:
+    // three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
+    for (duration_s, bins, largest_se) in [(20.0, 24, 0.02), (1.2, 12, 0.06)] {
+        let experiment = Experiment {
+            name: "sine".into(),
+            tick_s: 1e-3,
+            duration_s,
+            seed: 7,
+            drive_limit: f64::INFINITY,
+            travel_limit: f64::INFINITY,
+            excitation: Excitation::Sine { amplitude: 2.0, frequency_hz: 0.3, centring: 0.0 },
+            sensor: Sensor { encoder_step: 1e-3, ..Sensor::default() },
+        };
+        let recording = Axis::new(base, &[cogging], sample.units.clone()).run(&experiment).unwrap().recording;
+        let folds = discovery::folds(&[recording], &sample);
+        let [fold] = folds.as_slice() else { panic!("{folds:?}") };
+        assert_eq!((fold.kind, fold.coordinate, fold.points.len()), (Kind::Cogging, "position", bins));
+        assert!((fold.period - std::f64::consts::TAU / 7.0).abs() < 1e-12);
+        for [x, mean, se] in &fold.points {
+            let law = 0.2 * (7.0 * x + 0.5).sin();
+            assert!((mean - law).abs() < 4.0 * se + 0.03 * 0.2, "{x}: {mean} ± {se}, {law}");
+            assert!(*se < largest_se, "{x}: {se}");
+        }
+        let page = discovery::html(&sample, &folds);
+        assert!(page.contains("Cogging (force ripple) over one period") && page.contains("fitted law"));
+    }
 }

@@ -15,7 +15,7 @@ fn delay_shifts_the_response_by_tau() {
     let base = papers();
     let mut late = papers();
     late.delay = 2.7e-3;
-    let path = |law: &crate::law::Law| {
+    let path = |law: &crate::law::ForceLaw| {
         let (mut drive, mut state, mut xs) = (Drive::default(), State::at_rest(0.1), Vec::new());
         for k in 0..400 {
             let u = if (k / 70) % 2 == 0 { 2.0 } else { -1.4 };

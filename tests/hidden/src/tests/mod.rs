@@ -9,11 +9,11 @@ mod sessions;
 mod shaking;
 mod worlds;
 
-use crate::law::Law;
+use crate::law::ForceLaw;
 
 /// The papers' plant: b = 0.02685, c = 0.11, f1 = 0.5 (docs/theory.md, section 1).
-fn papers() -> Law {
-    Law { b: 0.02685, c: 0.11, f1: 0.5, ..Law::default() }
+fn papers() -> ForceLaw {
+    ForceLaw { b: 0.02685, c: 0.11, f1: 0.5, ..ForceLaw::default() }
 }
 
 #[track_caller]

@@ -1,10 +1,10 @@
 //! Cases, sessions and files.
 
 use super::close;
-use crate::{Case, Experiment, Hidden, Role, TruthRecord, law::Law, plant::TS};
+use crate::{Case, Experiment, Hidden, Role, TruthRecord, law::ForceLaw, plant::TS};
 
 /// Shaft position at which the encoder reads y (fixed point of a contraction, A ≤ 0.5).
-pub fn shaft(law: &Law, y: f64) -> f64 {
+pub fn shaft(law: &ForceLaw, y: f64) -> f64 {
     let mut x = y;
     for _ in 0..100 {
         x -= law.encoder(x) - y;

@@ -1,11 +1,11 @@
 //! Random torque and supply sag.
 
 use super::close;
-use crate::{Case, Sag, Setting, Torque, World, disturbance::Disturbance, law::Law, machine::stream, run::Trace};
+use crate::{Case, Sag, Setting, Torque, World, disturbance::Disturbance, law::ForceLaw, machine::stream, run::Trace};
 use std::f64::consts::TAU;
 
 /// Traces of a case in its own world, with the law and the case's machine.
-fn traces(case: &Case) -> (Law, Vec<Trace>) {
+fn traces(case: &Case) -> (ForceLaw, Vec<Trace>) {
     let machine = case.machine();
     let law = case.law(&machine, &machine.law());
     let specs = case.plan(&machine, &law);

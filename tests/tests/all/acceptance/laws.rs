@@ -1,6 +1,6 @@
 //! Laws of the host's identification: units, sign, origin of time.
 
-use breakaway::identify::estimate::{Identified, Value, identify};
+use breakaway::identify::estimate::{Identification, Value, identify};
 use breakaway::recording::Recording;
 use proptest::prelude::*;
 
@@ -24,13 +24,13 @@ fn scaled(records: &[Recording], kx: f64, ku: f64) -> Vec<Recording> {
 }
 
 /// b, c, f1 and, where it is estimated, the load of every estimator.
-fn values(found: &Identified) -> Vec<[Option<f64>; 4]> {
+fn values(found: &Identification) -> Vec<[Option<f64>; 4]> {
     let value = |v: Value| Some(v.value);
     found.estimates.iter().map(|e| [value(e.b), value(e.c), value(e.f1), e.load.and_then(value)]).collect()
 }
 
 /// All estimators agree after the expected factors. What differs is rounding, carried through at most 15 iterations.
-fn agree(one: &Identified, other: &Identified, factors: [f64; 4]) -> Result<(), TestCaseError> {
+fn agree(one: &Identification, other: &Identification, factors: [f64; 4]) -> Result<(), TestCaseError> {
     prop_assert_eq!((one.white, one.best.estimator), (other.white, other.best.estimator));
     for (a, b) in values(one).iter().zip(values(other)) {
         for ((a, b), factor) in a.iter().zip(b).zip(factors) {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 1–5 | `core/tests/all/sine.rs` |
 //! | 6 | `host/src/simulate/limit_cycle.rs` |
-//! | 7, 8 | `core/src/estimate/papers.rs` |
+//! | 7, 8 | `tests/src/papers.rs` |
 //! | 9 | `core/src/estimate/describing_function/tests.rs` |
 //! | 10–12 | `core/tests/all/modulating.rs`; again here, on the host's simulated axis |
 //! | 13 | here |

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use breakaway::command::{Cli, Command};
+use breakaway::command::{Cli, CliCommand};
 use breakaway::file::Target;
 
 /// Files and folders of a command line, as they stand there.
@@ -25,45 +25,45 @@ impl Files {
             Some(Target::Standard) | None => Vec::new(),
         };
         match &cli.command {
-            Command::Demo(a) => files.writes.push(a.output.clone()),
-            Command::Run(a) => {
+            CliCommand::Demo(a) => files.writes.push(a.output.clone()),
+            CliCommand::Run(a) => {
                 if a.experiment != "suite" {
                     files.reads.push(a.experiment.clone().into());
                 }
                 files.reads.extend(some(&a.model));
                 files.writes.push(a.output.clone());
             }
-            Command::Simulate(a) => {
+            CliCommand::Simulate(a) => {
                 files.reads.extend([a.model.clone(), a.experiment.clone()]);
                 files.writes = target(&Some(a.output.clone()));
             }
-            Command::Discover(a) => {
+            CliCommand::Discover(a) => {
                 files.reads.extend([a.recordings.clone(), a.holdout.clone(), some(&a.model), some(&a.fleet)].concat());
                 files.writes.extend([target(&a.output), target(&a.report)].concat());
             }
-            Command::Identify(a) => {
+            CliCommand::Identify(a) => {
                 files.reads.clone_from(&a.recordings);
                 files.writes = target(&a.output);
             }
-            Command::Sinefit(a) => files.reads.push(a.recording.clone()),
-            Command::VirtualBoard(a) => {
+            CliCommand::Sinefit(a) => files.reads.push(a.recording.clone()),
+            CliCommand::VirtualBoard(a) => {
                 files.reads.extend([some(&a.plant), some(&a.image)].concat());
                 files.writes = some(&a.flash);
             }
-            Command::Capture(a) => files.writes.push(a.output.clone()),
-            Command::Track(a) => {
+            CliCommand::Capture(a) => files.writes.push(a.output.clone()),
+            CliCommand::Track(a) => {
                 files.reads = [vec![a.model.clone()], some(&a.controller), some(&a.plant)].concat();
                 if !a.reference.contains(':') {
                     files.reads.push(a.reference.clone().into());
                 }
                 files.writes = [some(&a.output), target(&a.report)].concat();
             }
-            Command::Tune(a) => {
+            CliCommand::Tune(a) => {
                 files.reads.push(a.model.clone());
                 files.writes = target(&a.output);
             }
-            Command::Man(a) => files.writes = some(&a.output),
-            Command::Effects(_) | Command::Monitor(_) | Command::Device(_) | Command::Completions(_) => {}
+            CliCommand::Man(a) => files.writes = some(&a.output),
+            CliCommand::Effects(_) | CliCommand::Monitor(_) | CliCommand::Device(_) | CliCommand::Completions(_) => {}
         }
         files
     }

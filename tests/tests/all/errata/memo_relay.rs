@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use breakaway::simulate::limit_cycle::{NoCycle, exact_cycle};
 use breakaway_core::estimate::describing_function::{NoCycle as NoPredictedCycle, predict};
-use breakaway_core::estimate::papers::{RelayExperiment, memo_listing};
+use breakaway_tests::papers::{RelayExperiment, memo_listing};
 
 use super::{PLANT, cycle, exact_experiment, experiment, predicted_experiment};
 

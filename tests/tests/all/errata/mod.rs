@@ -4,6 +4,7 @@
 //! does not run) and 23 (a definition) have no number.
 
 mod adaptive;
+mod formulas;
 mod listing;
 mod memo_fit;
 mod memo_relay;
@@ -12,8 +13,8 @@ mod paper_relay;
 mod paper_units;
 
 use breakaway::simulate::limit_cycle::{ExactCycle, exact_cycle};
-use breakaway_core::estimate::papers::RelayExperiment;
 use breakaway_core::plant::Base;
+use breakaway_tests::papers::RelayExperiment;
 
 /// The documents' plant Gp = 10/(s(0.2685s + 1)), f1 = 0.5, f2 = 0.01: b = 0.2685/10, c = 1/10 + 0.01.
 const PLANT: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };

@@ -7,7 +7,7 @@ use breakaway::simulate::axis::Axis;
 use breakaway::simulate::exact::Exact;
 use breakaway::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
 use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, describing_function};
-use breakaway_core::estimate::papers::{RelayExperiment, equation_17};
+use breakaway_tests::papers::{RelayExperiment, equation_17};
 use nalgebra::{Matrix4, RowVector4};
 use proptest::prelude::*;
 

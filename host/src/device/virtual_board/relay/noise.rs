@@ -55,7 +55,7 @@ impl Noise {
     }
 
     /// Appends to `out` what arrives of `bytes`; of a million of them `ppm` are hit.
-    pub(super) fn pass(&mut self, bytes: &[u8], ppm: u32, out: &mut Vec<u8>) {
+    pub(super) fn transmit(&mut self, bytes: &[u8], ppm: u32, out: &mut Vec<u8>) {
         for &byte in bytes {
             self.counts.bytes += 1;
             let hit = ppm > 0 && self.random.random_range(0..1_000_000) < ppm;

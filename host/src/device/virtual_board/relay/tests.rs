@@ -14,7 +14,7 @@ fn what_is_not_hit_arrives() {
             let mut frame = [0; MAX_FRAME];
             let used = encode(&(number, [7_u8; 20]), &mut frame).unwrap();
             bytes.clear();
-            noise.pass(&frame[..used], ppm, &mut bytes);
+            noise.transmit(&frame[..used], ppm, &mut bytes);
             for &byte in &bytes {
                 if let Some(Ok(message)) = decoder.push(byte) {
                     let (number, _): (u32, [u8; 20]) = postcard::from_bytes(message).unwrap();

@@ -1,8 +1,8 @@
 //! The papers' own formulas, literally, as a reference only: they contain the errors that the errata list.
 //!
-//! Use [`super::modulating`] or [`super::describing_function`] instead.
+//! Use [`breakaway_core::estimate::modulating`] or [`breakaway_core::estimate::describing_function`] instead.
 
-use crate::scalar::Real;
+use breakaway_core::scalar::Real;
 
 /// One relay experiment as the papers use it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,40 +59,4 @@ pub fn memo_listing<R: Real>(experiments: [RelayExperiment<R>; 3]) -> PaperEstim
     let kp = -pi * a1 * w1 / (four * (f1 - h21) + pi * a1 * f2);
     let tp = four * first.h1 * kp / (pi * a1 * w1 * w1);
     PaperEstimate { kp, tp, f1, f2 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use core::f64::consts::TAU;
-
-    const fn experiment(h1: f64, h2: f64, a: f64, omega: f64) -> RelayExperiment<f64> {
-        RelayExperiment { h1, h2, a, omega }
-    }
-
-    /// Acceptance row 7 (docs/theory.md, section 4, item 2): printed to 1e-4 there.
-    #[test]
-    fn row_7_memo_listing_on_the_memos_numbers() {
-        let found = memo_listing([
-            experiment(2.0, 1.5, 1.2627, TAU / (4.0 / 5.5)),
-            experiment(5.0, 4.0, 6.286, TAU / (6.0 / 5.85)),
-            experiment(4.0, 3.5, 5.7935, TAU / (10.0 / 9.0)),
-        ]);
-        assert!((found.f1 - 0.53874).abs() < 1e-4, "{found:?}");
-        assert!((found.f2 - 0.04735).abs() < 1e-4, "{found:?}");
-        assert!((found.kp - 9.37103).abs() < 1e-4, "{found:?}");
-        assert!((found.tp - 0.2532).abs() < 1e-4, "{found:?}");
-    }
-
-    /// Acceptance row 8 (docs/theory.md, section 4, item 1), on the exact limit cycles of section 2: printed to 1e-3 there.
-    #[test]
-    fn row_8_equation_17_on_exact_limit_cycles() {
-        let found = equation_17(experiment(2.0, 1.5, 1.27742, 8.68809), experiment(1.0, 0.7, 0.10192, 21.76145));
-        assert!((found.kp - 5.811).abs() < 1e-3, "{found:?}");
-        assert!((found.tp - 0.1535).abs() < 1e-3, "{found:?}");
-        assert!((found.f1 - 0.4353).abs() < 1e-3, "{found:?}");
-        assert!((found.f2 + 0.434).abs() < 1e-3, "{found:?}");
-        // Erratum 19: reusing experiment 1 forces this, whatever the plant.
-        assert!((found.f2 + 4.0 * found.f1 / (core::f64::consts::PI * 1.27742)).abs() < 1e-12);
-    }
 }
