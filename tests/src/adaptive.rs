@@ -34,7 +34,7 @@ pub struct Loop {
     pub tick_s: f64,
     /// Drive limit.
     pub limit: f64,
-    /// Whether adaptation and integral are frozen in saturation.
+    /// Whether adaptation is frozen in saturation, and the integral taken back.
     pub freeze: bool,
 }
 
@@ -59,7 +59,7 @@ impl Loop {
     pub const fn figure(start: Estimates<f64>) -> Self {
         Self {
             plant: PAPER,
-            gains: Gains { b: PAPER.b, kv: 10.0, lambda1: 25.0, lambda2: 10.0, filter_s: 0.0 },
+            gains: Gains { b: PAPER.b, kv: 10.0, lambda1: 25.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 },
             adaptation: Adaptation {
                 gains: Estimates { b: 0.001, c: 2.0, f1: 1.0, f: 1.0 },
                 sigma: 0.0,
@@ -84,7 +84,14 @@ impl Loop {
         let plant = Base { b: 0.073_454 / 192.59, c: 1.0 / 192.59, f1: 0.238 };
         Self {
             plant,
-            gains: Gains { b: plant.b, kv: 1200.0, lambda1: 600.0, lambda2: 1400.0, filter_s: 0.0 },
+            gains: Gains {
+                b: plant.b,
+                kv: 1200.0,
+                lambda1: 600.0,
+                lambda2: 1400.0,
+                filter_s: 0.0,
+                observer_rad_s: 0.0,
+            },
             adaptation: Adaptation {
                 gains: Estimates {
                     b: 1e-2 * plant.b * plant.b,
@@ -128,7 +135,11 @@ impl Loop {
                 let signals = Ideal { error, error_rate: reference.v - plant.v, direction };
                 let wanted = law.drive_ideal(&mut state, reference, signals);
                 let u = wanted.clamp(-self.limit, self.limit);
-                law.learn(&mut state, self.freeze && u != wanted);
+                if self.freeze && u != wanted {
+                    law.cut(&mut state, u - wanted);
+                } else {
+                    law.learn(&mut state);
+                }
                 plant.advance(u, self.tick_s);
                 Moment { t, reference: reference.x, error, u, estimates: state.estimates }
             })

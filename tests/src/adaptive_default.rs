@@ -37,7 +37,7 @@ pub fn design(delta: Option<f64>, rate: f64) -> Design {
     let mut design = Design::new(&model, &request).expect("the papers' plant can be tuned for");
     design.adaptive = true;
     if let Some(jumps) = delta {
-        design.adaptation.delta = jumps * STEP / (design.gains.filter_s + TICK_S);
+        design.adaptation.delta = jumps * STEP * design.gains.rate_of_step(TICK_S);
     }
     design
 }

@@ -179,7 +179,7 @@ What differs from the paper's eqs 22–31, beyond the errata:
 | â and f̂2 are one estimate, ĉ = f̂2 − â | they multiply the same velocity; no data tell them apart, and one gain kc = ka + kf2 does what two did |
 | b_min ≤ b̂ ≤ b_max; f̂1, ĉ, f̂ ≥ 0 | projection: an estimate outside its physical range only costs time, and above b_max = b·0.8/((1 + d)·(Kv + Λ2)·Ts) the sampled loop leaves what tick and delay allow |
 | f̂' = kf·(\\|s_Δ\\| − σ·f̂) | without the leak f̂ only ever rises |
-| adaptation and ∫e frozen while the drive is saturated | see *Saturation* below |
+| adaptation frozen while the drive is saturated, and ∫e taken back by what is cut off | see *Saturation* below |
 | k_i in proportion to the parameters' squares | equal relative speed; the paper's k = 10⁻² for all lets b̂ run away |
 | Kv·s within δ, as an option | the paper's Kv·s_Δ is no control at all within δ (erratum 33); s·s_Δ ≥ s_Δ² keeps the proof |
 | ė from x_d − x, sgn of ẋ_d | differentiating the encoder alone costs most of what compensation gains |

@@ -10,7 +10,7 @@
 //! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
 //! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0 by projection,
 //! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`crate::control::largest_rate`]);
-//! σ, without which f̂ only rises; adaptation and integral frozen while the drive is saturated; gains scaled by the
+//! σ, without which f̂ only rises; adaptation frozen while the drive is saturated, and the integral taken back by what was cut off; gains scaled by the
 //! parameters' own sizes.
 
 mod settings;
@@ -18,6 +18,7 @@ mod settings;
 pub use settings::{Adaptation, AdaptiveError, Estimates, least_delta};
 
 use super::fast::Fast;
+use super::rate::{Differentiator, RateState};
 use super::trajectory::Setpoint;
 use super::tuning::{Gains, ROUNDING, TuningError};
 use crate::scalar::Real;
@@ -34,12 +35,14 @@ pub struct Adaptive<R> {
     per_delta: R,
     tick: R,
     per_tick: R,
-    alpha: R,
+    rate: Differentiator<R>,
     /// Adaptation gains times the tick.
     steps: Estimates<R>,
     sigma: R,
     b_min: R,
     b_max: R,
+    /// X·s of the integral per drive unit that was cut off, in a tick.
+    back: R,
     limit: R,
     start: Estimates<R>,
 }
@@ -51,8 +54,7 @@ pub struct AdaptiveState<R> {
     pub estimates: Estimates<R>,
     /// ∫e, X·s.
     pub integral: R,
-    last: Option<R>,
-    rate: R,
+    rate: RateState<R>,
     now: Regressors<R>,
 }
 
@@ -142,7 +144,7 @@ impl<R: Fast> Adaptive<R> {
             per_delta: real(F::ONE / delta),
             tick: real(tick_s),
             per_tick: real(F::ONE / tick_s),
-            alpha: real(tick_s / (gains.filter_s + tick_s)),
+            rate: Differentiator::new(gains, tick_s),
             steps: Estimates {
                 b: real(k.b * tick_s),
                 c: real(k.c * tick_s),
@@ -152,6 +154,7 @@ impl<R: Fast> Adaptive<R> {
             sigma: real(sigma),
             b_min: real(b_min),
             b_max: real(b_max.max(start.b).max(b_min)),
+            back: real(gains.back_calculation(tick_s) * tick_s),
             limit: real(limit),
             start: Estimates { b: real(start.b), c: real(start.c), f1: real(start.f1), f: real(start.f) },
         })
@@ -167,15 +170,13 @@ impl<R: Fast> Adaptive<R> {
         self.limit
     }
 
-    /// The drive for position `x`, with ė from differences of e and v = ẋ_d − ė; `direction` is the sign of the
+    /// The drive for position `x`, with ė from e by observer and filter, and v = ẋ_d − ė; `direction` is the sign of the
     /// reference's velocity. [`Self::learn`] must follow.
     #[inline]
     pub fn drive(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, x: R, direction: R) -> R {
         let error = reference.x - x;
-        let difference = error - state.last.unwrap_or(error);
-        state.last = Some(error);
-        state.rate += self.alpha * (difference - state.rate);
-        self.drive_ideal(state, reference, Ideal { error, error_rate: state.rate * self.per_tick, direction })
+        let rate = self.rate.tick(&mut state.rate, error);
+        self.drive_ideal(state, reference, Ideal { error, error_rate: rate * self.per_tick, direction })
     }
 
     /// The drive from given signals. [`Self::learn`] must follow.
@@ -195,12 +196,16 @@ impl<R: Fast> Adaptive<R> {
         c * v - b * u_c + f1 * direction + f * sat
     }
 
-    /// Ends the tick: the integral goes on and the parameters adapt, unless the drive was saturated.
+    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: nothing adapts, and the
+    /// integral goes back by the excess over the tracking time 1/√Λ1, as the PID's.
     #[inline]
-    pub fn learn(&self, state: &mut AdaptiveState<R>, saturated: bool) {
-        if saturated {
-            return;
-        }
+    pub fn cut(&self, state: &mut AdaptiveState<R>, excess: R) {
+        state.integral += self.back * excess;
+    }
+
+    /// Ends a tick whose drive was applied as it is: the integral goes on and the parameters adapt.
+    #[inline]
+    pub fn learn(&self, state: &mut AdaptiveState<R>) {
         let Regressors { integral, s_delta, v, u_c, direction } = state.now;
         state.integral = integral;
         if s_delta == R::ZERO && self.sigma == R::ZERO {

@@ -38,7 +38,7 @@ pub struct ControllerState<R> {
 pub struct Command<R> {
     /// The drive, within the limit.
     pub u: R,
-    /// Whether the limit cut it: the integral and the adaptation were frozen.
+    /// Whether the limit cut it: nothing adapted, and the integral went back by what was cut off.
     pub saturated: bool,
 }
 
@@ -97,19 +97,25 @@ impl<R: Fast> Controller<R> {
             u = feed.inverse(u, reference.v);
         }
         // A comparison that is false for NaN: what is no number counts as saturated, and drives nothing.
-        let inside = u.abs() <= limit;
+        if u.abs() <= limit {
+            match &self.law {
+                ControlLaw::Pid(pid) => pid.learn(&mut state.pid),
+                ControlLaw::Adaptive(law) => law.learn(&mut state.adaptive),
+            }
+            return Command { u, saturated: false };
+        }
         let cut = if u > limit {
             limit
         } else if u < -limit {
             -limit
         } else {
-            R::ZERO
+            return Command { u: R::ZERO, saturated: true };
         };
         match &self.law {
-            ControlLaw::Pid(pid) => pid.learn(&mut state.pid, !inside),
-            ControlLaw::Adaptive(law) => law.learn(&mut state.adaptive, !inside),
+            ControlLaw::Pid(pid) => pid.cut(&mut state.pid, cut - u),
+            ControlLaw::Adaptive(law) => law.cut(&mut state.adaptive, cut - u),
         }
-        Command { u: if inside { u } else { cut }, saturated: !inside }
+        Command { u: cut, saturated: true }
     }
 }
 

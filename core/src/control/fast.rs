@@ -13,6 +13,9 @@ pub trait Fast: Real {
     /// An integer; exact below 2²⁴ in f32.
     #[must_use]
     fn from_i32(value: i32) -> Self;
+    /// The nearest integer; saturates.
+    #[must_use]
+    fn to_i32(self) -> i32;
     /// A phase in units of 2⁻³² turn, as turns in −½..½.
     #[must_use]
     fn from_phase(phase: u32) -> Self;
@@ -58,6 +61,11 @@ impl Fast for f32 {
     fn from_i32(value: i32) -> Self {
         value as Self
     }
+    #[inline]
+    fn to_i32(self) -> i32 {
+        // The cast truncates and saturates.
+        (self + if self < 0.0 { -0.5 } else { 0.5 }) as i32
+    }
     fn from_phase(phase: u32) -> Self {
         phase as i32 as Self * (1.0 / 4_294_967_296.0)
     }
@@ -78,6 +86,9 @@ impl Fast for f64 {
     fn from_i32(value: i32) -> Self {
         Self::from(value)
     }
+    fn to_i32(self) -> i32 {
+        libm::round(self) as i32
+    }
     fn from_phase(phase: u32) -> Self {
         Self::from(phase as i32) * (1.0 / 4_294_967_296.0)
     }
@@ -89,6 +100,10 @@ impl Fast for f64 {
 impl Fast for Q32 {
     fn from_i32(value: i32) -> Self {
         Self(I32F32::from_bits(i64::from(value) << 32))
+    }
+    fn to_i32(self) -> i32 {
+        // Half a unit more, cut off: the integer bits.
+        (self.0.to_bits().saturating_add(1 << 31) >> 32) as i32
     }
     fn from_phase(phase: u32) -> Self {
         Self(I32F32::from_bits(i64::from(phase as i32)))
@@ -127,6 +142,16 @@ mod tests {
         assert!(exponential < 8e-6, "exponential {exponential:e}");
     }
 
+    #[test]
+    fn integers_are_the_nearest() {
+        for (value, nearest) in [(0.0, 0), (0.75, 1), (-0.75, -1), (2.25, 2), (-2.25, -2), (1e5, 100_000)] {
+            assert_eq!([value.to_i32(), (value as f32).to_i32(), Q32::from_f64(value).to_i32()], [nearest; 3]);
+        }
+        for (value, end) in [(1e12, i32::MAX), (-1e12, i32::MIN)] {
+            assert_eq!([value.to_i32(), (value as f32).to_i32(), Q32::from_f64(value).to_i32()], [end; 3]);
+        }
+    }
+
     proptest! {
         /// Q32 against f64, to the oscillator's 2.6e-9 and the step of its phase.
         #[test]
@@ -139,7 +164,7 @@ mod tests {
         fn nothing_panics(x in any::<f32>(), y in any::<f64>(), bits in any::<i64>()) {
             let _ = (x.sin_turns(), x.exp_negative(), y.sin_turns(), y.exp_negative());
             let q = Q32(I32F32::from_bits(bits));
-            let _ = (q.sin_turns(), q.exp_negative());
+            let _ = (q.sin_turns(), q.exp_negative(), q.to_i32(), x.to_i32(), y.to_i32());
         }
     }
 }

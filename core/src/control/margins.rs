@@ -1,4 +1,4 @@
-//! Margins of the sampled loop: exact discretisation of the plant, the PID as it is coded, the delay.
+//! Margins of the sampled loop: exact discretisation of the plant, the PID as it is coded with its observer and filter, the delay.
 
 use core::f64::consts::{PI, TAU};
 
@@ -62,7 +62,9 @@ struct Loop {
     kp: f64,
     ki: f64,
     kd: f64,
-    /// Share of the new difference in the filtered one.
+    /// The observer's pole.
+    pole: f64,
+    /// Share of the new rate in the filtered one.
     alpha: f64,
     delay: f64,
 }
@@ -82,6 +84,7 @@ impl Loop {
         let z = c / b * tick_s;
         let (phi1, phi2) = phi(z);
         let k = gains.b * gains.kv;
+        let (pole, alpha) = gains.poles(tick_s);
         Self {
             decay: libm::exp(-z),
             travel: tick_s * phi1,
@@ -90,7 +93,8 @@ impl Loop {
             kp: k * gains.lambda2,
             ki: k * gains.lambda1 * tick_s,
             kd: k / tick_s,
-            alpha: tick_s / (gains.filter_s + tick_s),
+            pole,
+            alpha,
             delay: f64::from(delay_ticks),
         }
     }
@@ -105,8 +109,11 @@ impl Loop {
         let numerator = slow.scaled(self.to_x).plus(Complex::new(self.travel * self.to_v, 0.0));
         let plant = numerator.over(minus(z, 1.0).times(slow));
         let integral = one.over(one.plus(back.scaled(-1.0))).scaled(self.ki);
-        let filtered = one.plus(back.scaled(-1.0)).scaled(self.alpha);
-        let rate = filtered.over(one.plus(back.scaled(self.alpha - 1.0))).scaled(self.kd);
+        // One of the observer's two poles, as a filter.
+        let pole = one.scaled(1.0 - self.pole).over(one.plus(back.scaled(-self.pole)));
+        let observed = one.plus(back.scaled(-1.0)).times(pole).times(pole);
+        let filtered = observed.scaled(self.alpha).over(one.plus(back.scaled(self.alpha - 1.0)));
+        let rate = filtered.scaled(self.kd);
         let controller = Complex::new(self.kp, 0.0).plus(integral).plus(rate);
         plant.times(controller).times(Complex::unit(-angle * self.delay))
     }

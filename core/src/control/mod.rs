@@ -26,6 +26,7 @@ mod drift;
 mod fast;
 mod margins;
 mod pid;
+mod rate;
 mod term;
 mod trajectory;
 mod tuning;
@@ -38,4 +39,6 @@ pub use fast::Fast;
 pub use margins::{Margins, margins};
 pub use pid::{Pid, PidState};
 pub use trajectory::{Phases, Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
-pub use tuning::{Gains, TuningError, largest_bandwidth_hz, largest_rate, tune};
+pub use tuning::{
+    Gains, Resolution, TuningError, encoder_bandwidth_hz, largest_bandwidth_hz, largest_rate, tune, tune_behind,
+};

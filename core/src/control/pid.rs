@@ -1,6 +1,7 @@
 //! The PID of the paper's remark 1 as a controller of its own: `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė`.
 
 use super::fast::Fast;
+use super::rate::{Differentiator, RateState};
 use super::trajectory::Setpoint;
 use super::tuning::{Gains, TuningError};
 use crate::scalar::Real;
@@ -14,8 +15,9 @@ pub struct Pid<R> {
     integral: R,
     /// b·Kv/Ts, drive units per (X/tick).
     derivative: R,
-    /// Share of the new difference in the filtered one.
-    alpha: R,
+    rate: Differentiator<R>,
+    /// X·ticks of the integral per drive unit that was cut off, in a tick: 1/(b·Kv·√Λ1), at most 1/(b·Kv·Λ1·Ts).
+    back: R,
     /// Largest |u|, drive units.
     limit: R,
     /// Error within which the integral rests while the reference does, X.
@@ -27,11 +29,8 @@ pub struct Pid<R> {
 pub struct PidState<R> {
     /// Σe, X·ticks.
     pub integral: R,
-    /// The error at the last tick, X; `None` before the first.
-    last: Option<R>,
-    /// Filtered difference of the error, X/tick.
-    rate: R,
-    /// What the integral becomes unless the drive is saturated.
+    rate: RateState<R>,
+    /// What the integral becomes unless the drive is cut.
     pending: R,
 }
 
@@ -60,7 +59,8 @@ impl<R: Fast> Pid<R> {
             proportional: real(k * gains.lambda2),
             integral: real(k * gains.lambda1 * tick_s),
             derivative: real(k / tick_s),
-            alpha: real(tick_s / (gains.filter_s + tick_s)),
+            rate: Differentiator::new(gains, tick_s),
+            back: real(gains.back_calculation(tick_s)),
             limit: real(limit),
             rest_band: R::ZERO,
         })
@@ -79,24 +79,27 @@ impl<R: Fast> Pid<R> {
         self.limit
     }
 
-    /// The drive for position `x`; [`Self::learn`] must follow, once it is known whether the drive saturated.
+    /// The drive for position `x`; [`Self::learn`] must follow, once it is known what of the drive was cut off.
     #[inline]
     pub fn drive(&self, state: &mut PidState<R>, reference: Setpoint<R>, x: R) -> R {
         let e = reference.x - x;
-        let difference = e - state.last.unwrap_or(e);
-        state.last = Some(e);
-        state.rate += self.alpha * (difference - state.rate);
+        let rate = self.rate.tick(&mut state.rate, e);
         let resting = reference.v == R::ZERO && reference.a == R::ZERO && e.abs() <= self.rest_band;
         state.pending = if resting { state.integral } else { state.integral + e };
-        self.integral * state.pending + self.proportional * e + self.derivative * state.rate
+        self.integral * state.pending + self.proportional * e + self.derivative * rate
     }
 
-    /// Ends the tick: the integral is frozen while the drive is saturated.
+    /// Ends a tick whose drive was applied as it is: the integral goes on.
     #[inline]
-    pub fn learn(&self, state: &mut PidState<R>, saturated: bool) {
-        if !saturated {
-            state.integral = state.pending;
-        }
+    pub fn learn(&self, state: &mut PidState<R>) {
+        state.integral = state.pending;
+    }
+
+    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: the integral does not go on,
+    /// but back by the excess over the tracking time 1/√Λ1 (docs/control.md, section "The PID").
+    #[inline]
+    pub fn cut(&self, state: &mut PidState<R>, excess: R) {
+        state.integral += self.back * excess;
     }
 }
 

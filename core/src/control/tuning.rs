@@ -5,6 +5,10 @@
 //! plant's pole c/b, but within ωc/4..4ωc (a double zero at ωc/4 for little damping; a loop of nearly PI form for much),
 //! and Kv makes |L| = 1 at ωc: in continuous time the phase margin is then at least 62° for any c.
 
+mod encoder;
+
+pub use encoder::{Resolution, encoder_bandwidth_hz, tune_behind};
+
 use super::margins::margins;
 use crate::says::says;
 use crate::scalar::Real;
@@ -22,6 +26,8 @@ pub struct Gains<F = f64> {
     pub lambda2: F,
     /// Time constant of the filter on ė, s; 0 for none.
     pub filter_s: F,
+    /// Bandwidth ωo of the observer that ė is read from, rad/s; 0 for none, which is the difference of two readings.
+    pub observer_rad_s: F,
 }
 
 /// Why gains are refused; with the largest that would do.
@@ -35,7 +41,7 @@ pub enum TuningError {
     Tick,
     /// The drive limit is not positive.
     Limit,
-    /// Kv, Λ1, Λ2 or the filter's time is not finite and non-negative, or Kv or Λ2 is 0.
+    /// Kv, Λ1, Λ2, the filter's time or the observer's bandwidth is not finite and non-negative, or Kv or Λ2 is 0.
     Gain,
     /// The bandwidth is not finite and positive, or past what the sampled loop allows.
     Bandwidth {
@@ -54,7 +60,7 @@ says! { TuningError:
     Self::C => "c must be a finite number, 0 or more",
     Self::Tick => "the tick must be above 0",
     Self::Limit => "the drive limit must be above 0",
-    Self::Gain => "kv and lambda2 must be above 0, lambda1 and filter_s 0 or more",
+    Self::Gain => "kv and lambda2 must be above 0, lambda1, filter_s and observer_rad_s 0 or more",
     Self::Bandwidth { largest_hz } => "the bandwidth is past what this tick and delay allow; the largest for this model is {largest_hz:.4} Hz",
     Self::Rate { largest_per_s } => "kv + lambda2 is past what this tick and delay allow; the largest is {largest_per_s:.4} per s",
 }
@@ -81,7 +87,7 @@ impl<F: Real> Gains<F> {
         if !(self.b.is_finite() && self.b > F::ZERO) {
             return Err(TuningError::B);
         }
-        let ranges = [self.kv, self.lambda2, self.lambda1, self.filter_s];
+        let ranges = [self.kv, self.lambda2, self.lambda1, self.filter_s, self.observer_rad_s];
         if ranges.iter().any(|g| !g.is_finite() || *g < F::ZERO) || self.kv == F::ZERO || self.lambda2 == F::ZERO {
             return Err(TuningError::Gain);
         }
@@ -90,6 +96,17 @@ impl<F: Real> Gains<F> {
             return Err(TuningError::Rate { largest_per_s: largest.to_f64() });
         }
         Ok(())
+    }
+
+    /// X·ticks by which the integral goes back per drive unit that was cut off, in a tick: the drive unit is 1/(b·Kv·Λ1·Ts) of
+    /// them, over the tracking time 1/√Λ1, which is the geometric mean of the PID's integral time Λ2/Λ1 and derivative time
+    /// 1/Λ2; at most all of it in a tick. Without an integral 0.
+    pub(super) fn back_calculation(&self, tick_s: F) -> F {
+        if self.lambda1 == F::ZERO {
+            return F::ZERO;
+        }
+        let ticks = (F::ONE / (self.lambda1.sqrt() * tick_s)).max(F::ONE);
+        F::ONE / (self.b * self.kv * self.lambda1 * tick_s * ticks)
     }
 
     /// [`largest_rate`], in what the board computes in.
@@ -104,7 +121,7 @@ fn gains_at(b: f64, c: f64, w: f64) -> Gains {
     let (zero, other) = (0.25 * w, pole.clamp(0.25 * w, 4.0 * w));
     let kv = w * w * libm::hypot(w, pole) / (libm::hypot(w, zero) * libm::hypot(w, other));
     // An eighth of the crossover's period over 2π: 7° of phase for a quarter of the encoder's noise at high rates.
-    Gains { b, kv, lambda1: zero * other, lambda2: zero + other, filter_s: 0.125 / w }
+    Gains { b, kv, lambda1: zero * other, lambda2: zero + other, filter_s: 0.125 / w, observer_rad_s: 0.0 }
 }
 
 /// The largest bandwidth that [`tune`] accepts, Hz; 0 for a plant or tick that is none.

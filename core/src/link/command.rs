@@ -223,6 +223,18 @@ pub struct Pid {
     pub ki: f32,
     /// Drive per velocity.
     pub kd: f32,
+    /// How ė is made.
+    pub error_rate: ErrorRate,
+}
+
+/// How ė is made of the error behind an encoder (docs/control.md, section "The encoder"); each finite and ≥ 0. Both 0 is the plain
+/// difference of two readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorRate {
+    /// Time constant of the filter, s; 0 for none.
+    pub filter_s: f32,
+    /// Bandwidth of the tracking observer, rad/s; 0 for none.
+    pub observer_rad_s: f32,
 }
 
 /// Gains of the adaptive law, each finite and ≥ 0; `kv`, `lambda1`, `lambda2`, `delta` > 0.
@@ -236,6 +248,8 @@ pub struct Adaptive {
     pub lambda2: f32,
     /// δ, position per second: half-width of the boundary layer.
     pub delta: f32,
+    /// How ė is made.
+    pub error_rate: ErrorRate,
     /// Adaptation rates of a, b, f1, f2 and f, relative to the parameters' scale.
     pub rates: [f32; 5],
 }
@@ -329,6 +343,13 @@ impl Push {
     }
 }
 
+impl ErrorRate {
+    fn validate(self) -> Result<(), CommandError> {
+        range(self.filter_s.is_finite() && self.filter_s >= 0.0, Field::Filter)?;
+        range(self.observer_rad_s.is_finite() && self.observer_rad_s >= 0.0, Field::Observer)
+    }
+}
+
 impl Track {
     fn validate(&self) -> Result<(), CommandError> {
         let finite = |value: f32| range(value.is_finite(), Field::TrajectorySize);
@@ -350,12 +371,14 @@ impl Track {
         }
         let gain = |value: f32, field| range(value.is_finite() && value >= 0.0, field);
         match self.controller {
-            Controller::Pid(Pid { kp, ki, kd }) => {
+            Controller::Pid(Pid { kp, ki, kd, error_rate }) => {
                 gain(kp, Field::Kp)?;
                 gain(ki, Field::Ki)?;
                 gain(kd, Field::Kd)?;
+                error_rate.validate()?;
             }
-            Controller::Adaptive(Adaptive { kv, lambda1, lambda2, delta, rates }) => {
+            Controller::Adaptive(Adaptive { kv, lambda1, lambda2, delta, error_rate, rates }) => {
+                error_rate.validate()?;
                 for (value, field) in
                     [(kv, Field::Kv), (lambda1, Field::Lambda1), (lambda2, Field::Lambda2), (delta, Field::Delta)]
                 {

@@ -109,6 +109,8 @@ pub struct Ended {
     pub tick: u32,
     /// Ticks it lasted.
     pub ticks: u32,
+    /// Ticks in which a controller asked for more drive than the limit in force; 0 where none ran.
+    pub saturated: u32,
 }
 
 /// How an experiment ended. Only [`Ending::Settled`], [`Ending::Homed`] and, where it was asked for, [`Ending::TimeUp`] are a

@@ -61,7 +61,7 @@ fields! {
     Kv "kv" "finite and above 0",
     Lambda1 "lambda1" "finite and above 0",
     Lambda2 "lambda2" "finite and above 0",
-    Delta "delta" "finite, and at least half of the speed that a count makes in the filter: position_per_count / 6 ticks",
+    Delta "delta" "finite, and at least half of the speed that a count makes behind filter_s and observer_rad_s",
     Rates "rates" "finite and at least 0",
     WaveformOffset "waveform offset" "offset + length at most 512 points",
     Decimation "decimation" "1 or more",
@@ -73,4 +73,6 @@ fields! {
     Brake "brake" "true or false",
     PushDrive "push drive" "not 0, and within mean_drive_max_code either way",
     PushTicks "push ticks" "1 or more",
+    Filter "filter_s" "finite and at least 0",
+    Observer "observer_rad_s" "finite and at least 0",
 }

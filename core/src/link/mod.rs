@@ -24,8 +24,8 @@ mod sample;
 mod settings;
 
 pub use command::{
-    Adaptive, Bounds, Command, Controller, OpenLoop, Pid, Push, Reference, Relay, Request, Track, Trajectory,
-    WaveformPart,
+    Adaptive, Bounds, Command, Controller, ErrorRate, OpenLoop, Pid, Push, Reference, Relay, Request, Track,
+    Trajectory, WaveformPart,
 };
 pub use error::{CommandError, Rejected};
 pub use event::{Ended, Ending, Event, FaultCause, FaultRecord, Limit, Mismatch};

@@ -80,7 +80,8 @@ pub fn push() -> Push {
 }
 
 pub fn adaptive() -> Adaptive {
-    Adaptive { kv: 30.0, lambda1: 400.0, lambda2: 40.0, delta: 0.1, rates: [0.1, 0.2, 0.3, 0.4, 0.5] }
+    let error_rate = ErrorRate { filter_s: 0.0, observer_rad_s: 500.0 };
+    Adaptive { kv: 30.0, lambda1: 400.0, lambda2: 40.0, delta: 0.1, error_rate, rates: [0.1, 0.2, 0.3, 0.4, 0.5] }
 }
 
 /// An S-curve.
@@ -88,7 +89,8 @@ pub const PROFILE: Trajectory =
     Trajectory::Profile { distance: 2.0, jerk_ticks: 27, acceleration_ticks: 161, cruise_ticks: 1146, rest_ticks: 500 };
 
 pub fn tracks() -> [Track; 6] {
-    let pid = Controller::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5 });
+    let error_rate = ErrorRate { filter_s: 0.002, observer_rad_s: 0.0 };
+    let pid = Controller::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5, error_rate });
     let track = |trajectory, controller| Track {
         trajectory,
         controller,
@@ -220,7 +222,9 @@ pub fn replies() -> Vec<(String, Reply)> {
 }
 
 pub fn events() -> Vec<(String, Event)> {
-    let ended = |ending| Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 70_000, ticks: 60_000 });
+    let ended = |ending| {
+        Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 70_000, ticks: 60_000, saturated: 300 })
+    };
     let mismatch = Mismatch { direction: -1, speed_bin: 2, position_bin: 5, score: 6.5 };
     let mut list = vec![
         ("started".to_owned(), Event::Started),

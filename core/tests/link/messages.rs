@@ -92,7 +92,8 @@ fn command_errors_name_the_field() {
     let reference = Reference { phase_step: u32::MAX, ..relay.reference };
     let drive = examples::drive();
     let [_, adaptive, _, step, _, _] = examples::tracks();
-    let pid = |kp, ki, kd| Track { controller: Controller::Pid(Pid { kp, ki, kd }), ..adaptive };
+    let error_rate = ErrorRate::default();
+    let pid = |kp, ki, kd| Track { controller: Controller::Pid(Pid { kp, ki, kd, error_rate }), ..adaptive };
     let sine = |amplitude, period_s| Track { trajectory: Trajectory::Sine { amplitude, period_s }, ..step };
     let profile = |jerk_ticks, acceleration_ticks, rest_ticks| {
         let trajectory =
@@ -134,6 +135,8 @@ fn command_errors_name_the_field() {
         (law(|g| g.lambda1 = f32::NAN), Field::Lambda1),
         (law(|g| g.lambda2 = -1.0), Field::Lambda2),
         (law(|g| g.delta = 0.0), Field::Delta),
+        (law(|g| g.error_rate.filter_s = -1.0), Field::Filter),
+        (law(|g| g.error_rate.observer_rad_s = f32::INFINITY), Field::Observer),
         (law(|g| g.rates[4] = -1.0), Field::Rates),
         (Command::LoadWaveform(part), Field::WaveformOffset),
         (Command::StreamOn { decimation: 0 }, Field::Decimation),

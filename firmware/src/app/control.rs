@@ -15,6 +15,9 @@ pub trait Controller {
     /// number is no longer finite. What the drive may be is in the plan: it is applied as it is.
     fn tick(&mut self, distance: i32) -> Option<(i32, i32)>;
 
+    /// Ticks of this run in which it asked for more drive than its limit.
+    fn saturated(&self) -> u32;
+
     /// The trajectory is at its end and the run with it.
     fn finished(&self) -> bool;
 }
@@ -32,6 +35,10 @@ impl Controller for NoController {
 
     fn tick(&mut self, _: i32) -> Option<(i32, i32)> {
         None
+    }
+
+    fn saturated(&self) -> u32 {
+        0
     }
 
     fn finished(&self) -> bool {

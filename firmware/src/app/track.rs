@@ -1,64 +1,67 @@
-//! Track and Hold: the controllers of [`breakaway_core::control`] along a trajectory, in f32.
+//! Track and Hold: the controllers of [`breakaway_core::control`] along a trajectory, in f32 or, on a core without an FPU, in Q32.
 
-use breakaway_core::control::{Controller as Law, ControllerState, Profile, Setpoint, Sine};
+use breakaway_core::control::{Controller as Law, ControllerState, Fast, Profile, Setpoint, Sine};
 
 use super::control::Controller;
 
 /// A reference relative to the start, position units.
 #[derive(Clone, Copy, Debug)]
-pub enum Path {
+pub enum Path<R> {
     /// The start.
     Hold,
     /// A sine, without end.
-    Sine(Sine<f32>),
+    Sine(Sine<R>),
     /// A triangle from the start upwards, without end.
     Triangle {
         /// Peak.
-        amplitude: f32,
+        amplitude: R,
         /// Advance per tick, units of 2⁻³² turn.
         phase_step: u32,
         /// Speed on its sides, position units per second.
-        speed: f32,
+        speed: R,
     },
     /// A step at the start.
-    Step(f32),
+    Step(R),
     /// Rest to rest, `10τ³ − 15τ⁴ + 6τ⁵`.
     MinimumJerk {
         /// Size.
-        distance: f32,
+        distance: R,
         /// Ticks, as a number to multiply with.
-        per_ticks: f32,
+        per_ticks: R,
         /// Seconds, as a number to multiply with.
-        per_s: f32,
+        per_s: R,
         /// Ticks.
         ticks: u32,
     },
     /// There and back within limits of speed, acceleration and jerk, without end.
-    Profile(Profile<f32>),
+    Profile(Profile<R>),
 }
 
-impl Path {
+impl<R: Fast> Path<R> {
     /// The reference at tick `k`.
-    fn at(&self, k: u32) -> Setpoint<f32> {
+    fn at(&self, k: u32) -> Setpoint<R> {
         match *self {
             Self::Hold => Setpoint::default(),
             Self::Sine(ref sine) => sine.at(k),
             Self::Profile(ref profile) => profile.at(k),
-            Self::Step(x) => Setpoint { x, v: 0.0, a: 0.0 },
+            Self::Step(x) => Setpoint { x, v: R::ZERO, a: R::ZERO },
             Self::Triangle { amplitude, phase_step, speed } => {
                 // A quarter turn on, the fold is at the half turn: −1 … 1 in Q30.
                 let phase = phase_step.wrapping_mul(k).wrapping_add(1 << 30).cast_signed();
                 let height = (1_i64 << 30) - i64::from(phase.unsigned_abs());
-                let x = amplitude * (-(height as f32) * (1.0 / 1_073_741_824.0));
-                Setpoint { x, v: if phase >= 0 { speed } else { -speed }, a: 0.0 }
+                // From −2³⁰ to 2³⁰.
+                let x = -amplitude * R::from_i32(height as i32) * R::from_f64(1.0 / 1_073_741_824.0);
+                Setpoint { x, v: if phase >= 0 { speed } else { -speed }, a: R::ZERO }
             }
             Self::MinimumJerk { distance, per_ticks, per_s, ticks } => {
-                let t = if k >= ticks { 1.0 } else { k as f32 * per_ticks };
-                let rest = t * (1.0 - t);
+                // Fewer than 2³¹ ticks.
+                let t = if k >= ticks { R::ONE } else { R::from_i32(k as i32) * per_ticks };
+                let [six, ten, fifteen, thirty, sixty] = [6, 10, 15, 30, 60].map(R::from_i32);
+                let rest = t * (R::ONE - t);
                 Setpoint {
-                    x: distance * t * t * t * (10.0 + t * (6.0 * t - 15.0)),
-                    v: distance * per_s * 30.0 * rest * rest,
-                    a: distance * per_s * per_s * 60.0 * rest * (1.0 - 2.0 * t),
+                    x: distance * t * t * t * (ten + t * (six * t - fifteen)),
+                    v: distance * per_s * thirty * rest * rest,
+                    a: distance * per_s * per_s * sixty * rest * (R::ONE - t - t),
                 }
             }
         }
@@ -67,60 +70,68 @@ impl Path {
 
 /// What the thread has worked out of a command: everything in the tick's units.
 #[derive(Clone, Copy, Debug)]
-pub struct TrackPlan {
+pub struct TrackPlan<R = f32> {
     /// Who follows.
-    pub law: Law<f32>,
+    pub law: Law<R>,
     /// What.
-    pub path: Path,
+    pub path: Path<R>,
     /// Position units per count.
-    pub position_per_count: f32,
+    pub position_per_count: R,
     /// Counts per position unit.
-    pub counts_per_position: f32,
+    pub counts_per_position: R,
     /// Drive codes per drive unit.
-    pub codes_per_drive: f32,
+    pub codes_per_drive: R,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Running {
-    plan: TrackPlan,
-    state: ControllerState<f32>,
+struct Running<R> {
+    plan: TrackPlan<R>,
+    state: ControllerState<R>,
     /// Where it started, position units: what of the model depends on the position is evaluated there.
-    origin: f32,
+    origin: R,
     k: u32,
+    saturated: u32,
 }
 
 /// The controller in the tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TrackController {
-    running: Option<Running>,
+#[derive(Clone, Copy, Debug)]
+pub struct TrackController<R = f32> {
+    running: Option<Running<R>>,
 }
 
-impl Controller for TrackController {
-    type Plan = TrackPlan;
+impl<R> Default for TrackController<R> {
+    fn default() -> Self {
+        Self { running: None }
+    }
+}
 
-    fn start(&mut self, plan: &TrackPlan, count: i32) {
-        let origin = count as f32 * plan.position_per_count;
-        self.running = Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0 });
+impl<R: Fast> Controller for TrackController<R> {
+    type Plan = TrackPlan<R>;
+
+    fn start(&mut self, plan: &TrackPlan<R>, count: i32) {
+        let origin = R::from_i32(count) * plan.position_per_count;
+        self.running =
+            Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0, saturated: 0 });
     }
 
     fn tick(&mut self, distance: i32) -> Option<(i32, i32)> {
-        let Running { plan, state, origin, k } = self.running.as_mut()?;
+        let Running { plan, state, origin, k, saturated } = self.running.as_mut()?;
         let reference = plan.path.at(*k);
         *k = k.saturating_add(1);
-        let command = plan.law.tick_from(state, reference, distance as f32 * plan.position_per_count, *origin);
+        let command = plan.law.tick_from(state, reference, R::from_i32(distance) * plan.position_per_count, *origin);
         if !command.u.is_finite() {
             return None;
         }
-        Some((round(command.u * plan.codes_per_drive), round(reference.x * plan.counts_per_position)))
+        *saturated = saturated.saturating_add(u32::from(command.saturated));
+        Some(((command.u * plan.codes_per_drive).to_i32(), (reference.x * plan.counts_per_position).to_i32()))
+    }
+
+    fn saturated(&self) -> u32 {
+        self.running.as_ref().map_or(0, |running| running.saturated)
     }
 
     fn finished(&self) -> bool {
         // A move ends where the next begins: it is held until it is stopped.
         false
     }
-}
-
-/// To the nearest integer; saturates.
-fn round(value: f32) -> i32 {
-    (value + if value < 0.0 { -0.5 } else { 0.5 }) as i32
 }

@@ -5,8 +5,8 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_core::link::{
-        Adaptive, Bounds, Command, Controller, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay, Request,
-        Settings, Track, Trajectory, encode,
+        Adaptive, Bounds, Command, Controller, ErrorRate, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay,
+        Request, Settings, Track, Trajectory, encode,
     };
     use breakaway_firmware::app::{
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
@@ -129,6 +129,7 @@ mod image {
                 lambda1: 100.0,
                 lambda2: 50.0,
                 delta: 0.5,
+                error_rate: ErrorRate { filter_s: 1e-3, observer_rad_s: 500.0 },
                 rates: [0.5; 5],
             }),
             feed_forward: true,
@@ -173,9 +174,9 @@ mod image {
         let sums = sums.insert(Sums::new());
         let (tick_end, app_end) = channels.split();
         let start = guards(&loaded, &identity);
-        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
+        let mut tick = Tick::new(Virtual::default(), TrackController::<f32>::default(), tick_end, timing, start);
         let host = core::cell::RefCell::new(Host::default());
-        let mut app = App::new(app_end, TrackController::default(), Line(&host), store, identity, loaded, sums);
+        let mut app = App::new(app_end, TrackController::<f32>::default(), Line(&host), store, identity, loaded, sums);
         let mut plant = Plant::default();
         let (mut ticks, mut total, mut worst, mut idle) = (0_u32, 0_u64, 0, 0);
         let commands = [

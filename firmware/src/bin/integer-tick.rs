@@ -1,4 +1,4 @@
-//! The tick alone, without controller, for a core without an FPU: `cargo xtask budget` builds it and proves from the
+//! The tick alone, with its controllers in fixed point, for a core without an FPU: `cargo xtask budget` builds it and proves from the
 //! linked file that nothing in it computes in floating point or can panic.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -7,7 +7,8 @@ mod image {
     use core::hint::black_box;
 
     use breakaway_core::link::Settings;
-    use breakaway_firmware::app::{Channels, Guards, NoController, Tick, TickSettings};
+    use breakaway_core::scalar::Q32;
+    use breakaway_firmware::app::{Channels, Guards, Tick, TickSettings, TrackController};
     use breakaway_firmware::board::{Applied, Clock, Drive, Encoder, Protection, RETAINED_WORDS, Retained, Trip};
 
     /// A board of which the compiler knows nothing.
@@ -60,7 +61,8 @@ mod image {
         let (tick_end, mut app_end) = channels.split();
         let guards = Guards::new(&black_box(SETTINGS), black_box(10_000));
         let timing = black_box(TickSettings { period_us: 100, deadline_us: 50 });
-        let mut tick = Tick::new(Opaque([0; RETAINED_WORDS]), NoController, tick_end, timing, guards);
+        let mut tick =
+            Tick::new(Opaque([0; RETAINED_WORDS]), TrackController::<Q32>::default(), tick_end, timing, guards);
         loop {
             // Whatever the thread may have put there.
             black_box(&mut app_end);

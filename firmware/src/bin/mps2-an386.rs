@@ -35,8 +35,9 @@ mod image {
         let mut sums = Sums::new();
         let timing = TickSettings::at_rate(tick_hz);
         let start = guards(&loaded, &identity);
-        let mut tick = Tick::new(Virtual::default(), TrackController::default(), tick_end, timing, start);
-        let mut app = App::new(app_end, TrackController::default(), Link::new(), store, identity, loaded, &mut sums);
+        let mut tick = Tick::new(Virtual::default(), TrackController::<f32>::default(), tick_end, timing, start);
+        let mut app =
+            App::new(app_end, TrackController::<f32>::default(), Link::new(), store, identity, loaded, &mut sums);
         loop {
             match lockstep.poll() {
                 Some(Received::Tick(next)) => {

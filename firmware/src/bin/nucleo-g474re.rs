@@ -51,8 +51,9 @@ mod image {
         };
         let (tick_end, app_end) = channels.split();
         let guards = guards(&loaded, &identity);
-        let tick = Tick::new(board, TrackController::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
-        let app = App::new(app_end, TrackController::default(), serial, store, identity, loaded, sums);
+        let tick =
+            Tick::new(board, TrackController::<f32>::default(), tick_end, TickSettings::at_rate(TICK_HZ), guards);
+        let app = App::new(app_end, TrackController::<f32>::default(), serial, store, identity, loaded, sums);
         let (Some(tick), Some(app)) = (singleton!(: BoardTick = tick), singleton!(: BoardApp = app)) else {
             panic!("started twice");
         };

@@ -52,12 +52,16 @@ mod image {
         config.push(sums, count);
     }
 
-    /// Our PID: filtered derivative, saturation, an integral that is frozen by it.
+    /// Our PID: filtered derivative, saturation, an integral that goes back by what is cut off.
     #[inline(never)]
     fn ours(law: &Pid<f32>, state: &mut PidState<f32>, reference: f32, x: f32) -> f32 {
         let wanted = law.drive(state, Setpoint { x: reference, v: 0.0, a: 0.0 }, x);
         let applied = wanted.clamp(-law.limit(), law.limit());
-        law.learn(state, applied != wanted);
+        if applied == wanted {
+            law.learn(state)
+        } else {
+            law.cut(state, applied - wanted)
+        }
         applied
     }
 

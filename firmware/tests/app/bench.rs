@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use breakaway_core::control::Fast;
 use breakaway_core::link::{
     Command, Decoder, Ended, Event, FULL_SCALE_CODE, FaultRecord, MAX_FRAME, Message, Reply, Request, Sample, Settings,
     Status, encode,
@@ -58,10 +59,10 @@ impl Motion for Axis {
 pub type World = breakaway_rig::World<Axis>;
 
 /// A running board and its host.
-pub struct Bench {
+pub struct Bench<R: Fast = f32> {
     pub world: Shared<Axis>,
-    tick: Tick<'static, 'static, Shared<Axis>, TrackController>,
-    app: App<'static, 'static, TrackController, Shared<Axis>, NoStore>,
+    tick: Tick<'static, 'static, Shared<Axis>, TrackController<R>>,
+    app: App<'static, 'static, TrackController<R>, Shared<Axis>, NoStore>,
     decoder: Decoder,
     id: u16,
     pub replies: Vec<(u16, Reply)>,
@@ -101,6 +102,13 @@ impl Bench {
 
     /// In a world that is already so.
     pub fn on(world: World, loaded: Loaded) -> Self {
+        Self::computing(world, loaded)
+    }
+}
+
+impl<R: Fast> Bench<R> {
+    /// In a number type of its own.
+    pub fn computing(world: World, loaded: Loaded) -> Self {
         let identity = Identity {
             board: "bench",
             build: "test",

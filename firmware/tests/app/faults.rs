@@ -366,6 +366,10 @@ impl Controller for Lost {
         self.0 += 1;
         (self.0 < 3).then_some((5000, 0))
     }
+    fn saturated(&self) -> u32 {
+        0
+    }
+
     fn finished(&self) -> bool {
         false
     }

@@ -4,6 +4,7 @@ mod bench;
 mod drift;
 mod faults;
 mod faults_page;
+mod fixed_point;
 mod identification;
 mod runs;
 mod track;

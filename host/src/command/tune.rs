@@ -23,8 +23,9 @@ use crate::recording::Units;
 The PID is u = b·kv·(lambda1·∫e + lambda2·e + ė). Gains past what tick and delay allow are refused with the largest that
 is allowed. The compensator (the model's force along the reference) is written switched off: set `on = true` in the file.
 
-JSON: gains (b, kv, lambda1, lambda2, filter_s, and as proportional, integral, derivative), margins (gain,
-gain_reduction, phase_deg, delay_s, crossover_rad_s), bandwidth_hz, largest_bandwidth_hz, tick_s, delay_ticks, compensator
+JSON: gains (b, kv, lambda1, lambda2, filter_s, observer_rad_s, and as proportional, integral, derivative), margins (gain,
+gain_reduction, phase_deg, delay_s, crossover_rad_s), count (drive of one encoder count, largest, bandwidth_hz up to which
+it is within that; absent without an encoder), bandwidth_hz, largest_bandwidth_hz, tick_s, delay_ticks, compensator
 (on, lead_s, compensates, leaves_out), adaptive (start, gains, sigma, delta, b_min), units.")]
 pub struct Args {
     /// The model
@@ -88,6 +89,7 @@ impl TuneArgs {
 struct Document {
     gains: GainsRow,
     margins: Option<MarginsRow>,
+    count: Option<CountRow>,
     bandwidth_hz: f64,
     largest_bandwidth_hz: f64,
     tick_s: f64,
@@ -104,6 +106,7 @@ struct GainsRow {
     lambda1: f64,
     lambda2: f64,
     filter_s: f64,
+    observer_rad_s: f64,
     proportional: f64,
     integral: f64,
     derivative: f64,
@@ -116,6 +119,14 @@ struct MarginsRow {
     phase_deg: f64,
     delay_s: f64,
     crossover_rad_s: f64,
+}
+
+/// What one count of the encoder makes of the drive.
+#[derive(Debug, Serialize)]
+struct CountRow {
+    drive: f64,
+    largest: f64,
+    bandwidth_hz: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -158,15 +169,16 @@ impl Args {
         let targets: Vec<_> = self.output.iter().map(|target| (target, FileKind::Controller)).collect();
         let output = output.claim(&targets, &[&self.model])?;
         let model = Model::read(&self.model)?;
-        let design = Design::new(&model, &self.request.request()).with_context(|| self.model.display().to_string())?;
+        let request = self.request.request();
+        let design = Design::new(&model, &request).with_context(|| self.model.display().to_string())?;
         if let Some(target) = &self.output {
             target.write_text(&design.to_toml())?;
         }
-        output.print(&document(&design)?, |document| table(document, &design.model.units))
+        output.print(&document(&design, &request)?, |document| table(document, &design.model.units))
     }
 }
 
-fn document(design: &Design) -> anyhow::Result<Document> {
+fn document(design: &Design, request: &Request) -> anyhow::Result<Document> {
     let gains = design.gains;
     let k = gains.b * gains.kv;
     let effects = design.model.plant_effects()?;
@@ -184,6 +196,7 @@ fn document(design: &Design) -> anyhow::Result<Document> {
             lambda1: gains.lambda1,
             lambda2: gains.lambda2,
             filter_s: gains.filter_s,
+            observer_rad_s: gains.observer_rad_s,
             proportional: k * gains.lambda2,
             integral: k * gains.lambda1,
             derivative: k,
@@ -195,6 +208,11 @@ fn document(design: &Design) -> anyhow::Result<Document> {
             phase_deg: m.phase_deg,
             delay_s: m.delay_s,
             crossover_rad_s: m.crossover_rad_s,
+        }),
+        count: (request.encoder_step > 0.0).then(|| CountRow {
+            drive: gains.drive_of_count(request.encoder_step, design.tick_s),
+            largest: request.resolution(&design.model.base).drive,
+            bandwidth_hz: request.encoder_bandwidth_hz(&design.model.base),
         }),
         largest_bandwidth_hz: design.largest_bandwidth_hz(),
         tick_s: design.tick_s,
@@ -216,6 +234,11 @@ fn document(design: &Design) -> anyhow::Result<Document> {
     })
 }
 
+/// To hundredths, downwards: what is printed is borne.
+fn floor(hz: f64) -> f64 {
+    (hz * 100.0).floor() / 100.0
+}
+
 fn table(document: &Document, units: &Units) -> String {
     let mut text = String::new();
     let (u, x) = (&units.u, &units.x);
@@ -224,8 +247,15 @@ fn table(document: &Document, units: &Units) -> String {
     let _ = writeln!(text, "PID, u = b·kv·(lambda1·∫e + lambda2·e + ė):");
     let _ = writeln!(
         text,
-        "  kv {:.4} /s   lambda1 {:.4} /s²   lambda2 {:.4} /s   filter of ė {:.3e} s",
-        g.kv, g.lambda1, g.lambda2, g.filter_s
+        "  kv {:.4} /s   lambda1 {:.4} /s²   lambda2 {:.4} /s   {}",
+        g.kv,
+        g.lambda1,
+        g.lambda2,
+        if g.observer_rad_s > 0.0 {
+            format!("observer of ė {:.1} rad/s", g.observer_rad_s)
+        } else {
+            format!("filter of ė {:.3e} s", g.filter_s)
+        }
     );
     let _ = writeln!(
         text,
@@ -245,6 +275,23 @@ fn table(document: &Document, units: &Units) -> String {
             if m.gain_reduction > 0.0 { format!(" to × {:.2}", m.gain_reduction) } else { String::new() },
             m.delay_s
         );
+    }
+    if let Some(count) = &document.count {
+        let _ = write!(
+            text,
+            "one encoder count makes {:.3} {u} of drive, of {:.3} {u} at most",
+            count.drive, count.largest
+        );
+        // The default is the largest itself, to a rounding.
+        let _ = if count.drive > count.largest * (1.0 + 1e-6) {
+            writeln!(
+                text,
+                ": too much, the drive will be noise; ask for at most --bandwidth {:.2}",
+                floor(count.bandwidth_hz)
+            )
+        } else {
+            writeln!(text, " (up to a bandwidth of {:.2} Hz)", count.bandwidth_hz)
+        };
     }
     let c = &document.compensator;
     let _ = writeln!(

@@ -23,7 +23,8 @@ other; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant it simula
 settings start as the options say: encoder step, drive at full scale, units of the plant; with --flash they are kept as
 on a real board.
 
-Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US,
+Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-channel-dead, encoder-reversed,
+encoder-jump=COUNTS, encoder-dead, tick-late=US,
 break=NUMBER, emergency-stop, supply=MV, reset, garbage=BYTES, host-gone, link-noise=PPM (bytes of a million, either way),
 corrupt-flash (TICK 0, with --flash), healed. TICK counts from the start.
 

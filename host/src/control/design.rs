@@ -1,8 +1,8 @@
 //! A controller from a model: gains, compensator, starting values of the adaptive law.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, largest_bandwidth_hz, lead_s,
-    least_delta, margins, tune,
+    Adaptation, Adaptive, Compensator, Controller, Estimates, Fast, Gains, Margins, Pid, Resolution,
+    encoder_bandwidth_hz, largest_bandwidth_hz, lead_s, least_delta, margins, tune_behind,
 };
 use breakaway_core::plant::{Base, Effect};
 
@@ -16,7 +16,7 @@ pub struct Request {
     pub tick_s: f64,
     /// Ticks from reading a position to applying the drive computed from it.
     pub delay_ticks: u32,
-    /// Open-loop crossover, Hz; by default [`DEFAULT_SHARE`] of the largest.
+    /// Open-loop crossover, Hz; by default [`DEFAULT_SHARE`] of the largest, and no more than the encoder bears.
     pub bandwidth_hz: Option<f64>,
     /// Largest |drive|; infinite for none.
     pub drive_limit: f64,
@@ -33,6 +33,9 @@ pub struct Request {
 /// The default bandwidth over the largest that tick and delay allow: room for a model that is a factor of two off.
 pub const DEFAULT_SHARE: f64 = 0.25;
 
+/// Less than this share of the largest is no bandwidth to control with: such an encoder's step is wrong, or in another unit.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// How fast the adaptive law adapts by default, rad/s: a change of friction is learnt in a minute or two.
 pub const DEFAULT_ADAPTATION_RATE: f64 = 5.0;
 
@@ -47,10 +50,43 @@ pub fn usual_motion(base: &Base<f64>) -> (f64, f64) {
     if f1 > 0.0 { ((f1 / c).min(f1 / b), f1 / b) } else { (10.0, 100.0) }
 }
 
-/// δ of the adaptive law, X/s: half of what one count makes of a difference filtered over `filter_s` s, which is 1.6
-/// standard deviations of white rounding at the usual filter. Above that friction is learnt, below it noise would be.
-pub fn usual_delta(encoder_step: f64, filter_s: f64, tick_s: f64) -> f64 {
-    least_delta(encoder_step, filter_s, tick_s)
+/// What one count may make of the drive: twice what the expected motion needs, within these shares of the drive's limit. Counts
+/// come one after the other and not on top of each other: the rms of what they make is then about a seventh of that, which adds
+/// less than a tenth to the drive's rms (docs/control.md, section "The encoder").
+const DRIVE_OF_COUNT: f64 = 2.0;
+/// Least and most of the drive's limit: what is less is no harm, whatever the friction; what is more would saturate.
+const SHARE_OF_LIMIT: [f64; 2] = [0.125, 0.5];
+
+impl Request {
+    /// The largest speed and acceleration that are expected on this plant.
+    fn motion(&self, base: &Base<f64>) -> (f64, f64) {
+        let (speed, acceleration) = usual_motion(base);
+        (self.speed.unwrap_or(speed), self.acceleration.unwrap_or(acceleration))
+    }
+
+    /// The encoder, and the most that one count of it may make of the drive.
+    pub fn resolution(&self, base: &Base<f64>) -> Resolution {
+        let (speed, acceleration) = self.motion(base);
+        let drive = DRIVE_OF_COUNT * (base.b * acceleration + base.c * speed + base.f1);
+        let [least, most] = SHARE_OF_LIMIT.map(|share| share * self.drive_limit);
+        let drive = if most.is_finite() { drive.clamp(least, most) } else { drive };
+        Resolution { step: self.encoder_step, drive }
+    }
+
+    /// A quarter of what tick and delay allow, and no more than the encoder bears, Hz.
+    fn default_bandwidth_hz(&self, base: &Base<f64>) -> Result<f64, ControlError> {
+        let largest = largest_bandwidth_hz(base.b, base.c, self.tick_s, self.delay_ticks);
+        let for_encoder = self.encoder_bandwidth_hz(base);
+        if for_encoder < LEAST_SHARE * largest {
+            return Err(ControlError::Encoder { step: self.encoder_step, bandwidth_hz: for_encoder });
+        }
+        Ok((DEFAULT_SHARE * largest).min(for_encoder))
+    }
+
+    /// The largest bandwidth that the encoder bears, Hz.
+    pub fn encoder_bandwidth_hz(&self, base: &Base<f64>) -> f64 {
+        encoder_bandwidth_hz(base.b, base.c, self.tick_s, self.delay_ticks, &self.resolution(base))
+    }
 }
 
 /// A controller, all of it: what `breakaway tune` writes.
@@ -90,12 +126,15 @@ impl Design {
     pub fn new(model: &Model, request: &Request) -> Result<Self, ControlError> {
         let Base { b, c, f1 } = model.base;
         let Request { tick_s, delay_ticks, drive_limit, encoder_step, .. } = *request;
-        let largest = largest_bandwidth_hz(b, c, tick_s, delay_ticks);
-        let gains = tune(b, c, request.bandwidth_hz.unwrap_or(DEFAULT_SHARE * largest), tick_s, delay_ticks)?;
-        let (speed, acceleration) = usual_motion(&model.base);
-        let (speed, acceleration) = (request.speed.unwrap_or(speed), request.acceleration.unwrap_or(acceleration));
+        let (speed, acceleration) = request.motion(&model.base);
+        let bandwidth_hz = match request.bandwidth_hz {
+            Some(bandwidth_hz) => bandwidth_hz,
+            None => request.default_bandwidth_hz(&model.base)?,
+        };
+        let encoder = request.resolution(&model.base);
+        let gains = tune_behind(b, c, bandwidth_hz, tick_s, delay_ticks, &encoder)?;
         let start = Estimates { b, c, f1, f: 0.0 };
-        let delta = usual_delta(encoder_step, gains.filter_s, tick_s).max(1e-3 * speed).max(1e-12);
+        let delta = least_delta(encoder_step, &gains, tick_s).max(1e-3 * speed).max(1e-12);
         let adaptation = Adaptation::normalised(&start, request.adaptation_rate, speed, acceleration, delta);
         let slow = Estimates { b: adaptation.gains.b * RATE_OF_B * RATE_OF_B, ..adaptation.gains };
         let design = Self {

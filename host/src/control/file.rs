@@ -48,6 +48,9 @@ struct Pid {
     lambda1: f64,
     lambda2: f64,
     filter_s: f64,
+    /// Not in files of before the observer.
+    #[serde(default)]
+    observer_rad_s: f64,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -106,7 +109,7 @@ impl Design {
         let model = toml::to_string(&document.model).map_err(|error| malformed(error.to_string()))?;
         let model = Model::parse("its [model]", &model).map_err(|error| malformed(error.to_string()))?;
         let Head { law, tick_s, delay_ticks, drive_limit, rest_band } = document.controller;
-        let Pid { b, kv, lambda1, lambda2, filter_s } = document.pid;
+        let Pid { b, kv, lambda1, lambda2, filter_s, observer_rad_s } = document.pid;
         let Feed { on, lead_s, rest_speed } = document.compensator;
         let a = document.adaptive;
         let design = Self {
@@ -114,7 +117,7 @@ impl Design {
             delay_ticks,
             drive_limit,
             rest_band,
-            gains: Gains { b, kv, lambda1, lambda2, filter_s },
+            gains: Gains { b, kv, lambda1, lambda2, filter_s, observer_rad_s },
             lead_s,
             rest_speed,
             compensate: on,
@@ -168,11 +171,11 @@ impl Design {
         line(format!("delay_ticks = {}  # from reading to drive", self.delay_ticks));
         line(format!("drive_limit = {:?}  # {u}", self.drive_limit));
         line(format!("rest_band = {:?}  # {x}: at rest, the integral rests within it", self.rest_band));
-        let Gains { b, kv, lambda1, lambda2, filter_s } = self.gains;
+        let Gains { b, kv, lambda1, lambda2, filter_s, observer_rad_s } = self.gains;
         line("\n[pid]\n# u = b·kv·(lambda1·∫e + lambda2·e + ė)".into());
         line(format!("b = {b:?}  # {}", self.model.units.of_b()));
         line(format!("kv = {kv:?}  # 1/s\nlambda1 = {lambda1:?}  # 1/s²\nlambda2 = {lambda2:?}  # 1/s"));
-        line(format!("filter_s = {filter_s:?}  # of ė"));
+        line(format!("filter_s = {filter_s:?}  # of ė\nobserver_rad_s = {observer_rad_s:?}  # of ė; 0 for none"));
         line("\n[compensator]\n# Feed-forward of the model below, along the reference".into());
         line(format!(
             "on = {}\nlead_s = {:?}\nrest_speed = {:?}  # {x}/s",

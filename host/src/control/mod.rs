@@ -16,6 +16,17 @@ pub enum ControlError {
     /// The gains are past what the sampled loop allows.
     #[error("{0}")]
     Tuning(String),
+    /// One count of the encoder drives too much at any bandwidth worth having.
+    #[error(
+        "an encoder step of {step:?} bears a bandwidth of {bandwidth_hz:.2e} Hz: check --encoder-step and the model's units, \
+         or ask for a --bandwidth"
+    )]
+    Encoder {
+        /// Its step, X.
+        step: f64,
+        /// Largest bandwidth, Hz.
+        bandwidth_hz: f64,
+    },
     /// The model cannot be compensated.
     #[error("the model cannot be compensated: {0}")]
     Compensator(#[from] CompensatorError),

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid, Reference, Relay,
-    Reply, Settings, Track, Trajectory,
+    Bounds, Command, Controller, Ended, Ending, ErrorRate, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid,
+    Reference, Relay, Reply, Settings, Track, Trajectory,
 };
 
 pub use tracking::{Followed, TrackRun, adaptive, pid};
@@ -333,7 +333,12 @@ pub fn commands(experiment: &Experiment, scale: &Scale) -> Result<Vec<Command>, 
         }),
         Excitation::Track { kp, kd, reference } => Command::StartTrack(Track {
             trajectory: trajectory(reference),
-            controller: Controller::Pid(Pid { kp: kp as f32, ki: 0.0, kd: kd as f32 }),
+            controller: Controller::Pid(Pid {
+                kp: kp as f32,
+                ki: 0.0,
+                kd: kd as f32,
+                error_rate: ErrorRate { filter_s: filter_s(kp, kd, scale.tick_s()) as f32, observer_rad_s: 0.0 },
+            }),
             feed_forward: false,
             compensation: false,
             bounds,
@@ -366,6 +371,13 @@ fn trajectory(reference: experiment::Reference) -> Trajectory {
             Trajectory::Sine { amplitude: amplitude as f32, period_s: period_s as f32 }
         }
     }
+}
+
+/// Filter of ė for a loop with these gains, s: an eighth of 1/ωc, as `tune` has it, where the zero kp/kd is at ωc/2; at least two
+/// ticks, because a count is no position.
+fn filter_s(kp: f64, kd: f64, tick_s: f64) -> f64 {
+    let eighth = if kp > 0.0 { kd / (16.0 * kp) } else { 0.0 };
+    eighth.max(2.0 * tick_s)
 }
 
 #[cfg(test)]

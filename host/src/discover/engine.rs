@@ -8,7 +8,7 @@ use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::by_force;
 use super::corroboration;
-use super::data::Data;
+use super::data::{Data, FIT_SEGMENT_S};
 use super::gap::open_loop_squares;
 use super::judge;
 use super::judge::library::weighs;
@@ -27,11 +27,15 @@ use crate::recording::{Recording, Units};
 /// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
 /// effect brings it down to it.
 const ROUGH: f64 = 150.0;
-/// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
-/// windows and nothing predicts it with a z over blocks that a name needs.
-const SHAKEN: [f64; 2] = [5.0, 5.0];
+/// Held-out simulation error, over what the force that is left makes of it, up to which that force explains it where nothing predicts it.
+/// Random force of a tenth of the bandwidth of the windows moves the axis √10 times as far as white force of the same rms in them.
+const SHAKEN: f64 = 3.2;
+/// Force that is left in wide windows, over what the sensor's noise makes of it, from which it is force.
+const OVER_THE_SENSOR: f64 = 5.0;
 /// The same up to which the sensor's noise is all that is left.
 const AT_THE_NOISE: f64 = 1.1;
+/// Times that the recordings are given one zero.
+const REZEROED: usize = 2;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// A given model's inertia further off than this factor cannot be of this machine and these units.
@@ -105,9 +109,8 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     let request = &request;
     progress("judging the measured forces");
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
-    let judged = without_known(&request.recordings, known);
-    let ruling = judge::ruling::rule(&judged, radians(&units), &judge::settings::Settings::default());
-    let ruling = ruling.map(|ruling| ruling.beside(known));
+    let (request, ruling, rezeroed) = ruled(request, known, &units);
+    let request = &request;
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
         let kinds = left_to_the_motion(ruling, &by_force);
@@ -129,9 +132,36 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     found.remarks.extend(age_s.map(|age_s| {
         format!("the position is held between readings, which are taken to be {:.1} ms old", 1e3 * age_s)
     }));
+    if rezeroed {
+        let remark = "each recording has a zero of its own: all positions are counted from that of the first";
+        found.remarks.push(remark.to_owned());
+    }
     found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();
     Ok(found)
+}
+
+/// The ruling on a request, and the request with one zero for all recordings, where a law of the position shows that each had its own.
+fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, Option<Ruling>, bool) {
+    let settings = judge::settings::Settings::default();
+    let rule = |request: &Request| {
+        let judged = without_known(&request.recordings, known);
+        judge::ruling::rule(&judged, radians(units), &settings).map(|ruling| ruling.beside(known))
+    };
+    let mut request = request.clone();
+    let mut ruling = rule(&request);
+    let mut rezeroed = false;
+    // A second law of the position may tell the zeros better than the first.
+    for _ in 0..REZEROED {
+        let Some((first, own)) = request.recordings.first().zip(ruling.as_ref()) else { break };
+        let all: Vec<Recording> = request.recordings.iter().chain(&request.holdout).cloned().collect();
+        let Some(shifts) = judge::zeros::shifts(&all, first, own, &settings) else { break };
+        let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
+        moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
+        rezeroed = true;
+        ruling = rule(&request);
+    }
+    (request, ruling, rezeroed)
 }
 
 /// The request with a row for each reading of the sensor, and the drive of the instant at which it was taken; and how old the readings
@@ -162,10 +192,12 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let [simulated, left] = SHAKEN;
     let remainder = &ruling.remainder;
-    let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
-        && remainder.over_noise > left
+    let moved = found.over_noise() * found.noise_floor;
+    let by_the_force = remainder.moves_within(FIT_SEGMENT_S) / found.model.base.b;
+    let shaken = found.over_noise() > AT_THE_NOISE
+        && remainder.over_noise > OVER_THE_SENSOR
+        && moved < SHAKEN * by_the_force
         && remainder.predictable.is_none()
         && remainder.significance < judge::settings::Settings::default().z;
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()

@@ -28,6 +28,7 @@ fn tune_reports_gains_margins_and_what_it_leaves_out() {
             "adaptive",
             "bandwidth_hz",
             "compensator",
+            "count",
             "delay_ticks",
             "gains",
             "largest_bandwidth_hz",
@@ -38,6 +39,8 @@ fn tune_reports_gains_margins_and_what_it_leaves_out() {
     );
     // The filter of ė moves the crossover by up to 7 %.
     assert!((document["bandwidth_hz"].as_f64().unwrap() / 8.0 - 1.0).abs() < 0.07);
+    let count = |key: &str| document["count"][key].as_f64().unwrap();
+    assert!(count("drive") < count("largest") && count("bandwidth_hz") > 8.0, "{document}");
     assert!(document["margins"]["phase_deg"].as_f64().unwrap() > 45.0);
     assert_eq!(document["compensator"]["on"], false);
     assert_eq!(document["compensator"]["leaves_out"], serde_json::json!(["stiction"]));
@@ -45,6 +48,12 @@ fn tune_reports_gains_margins_and_what_it_leaves_out() {
     assert_eq!(design.gains.kv, document["gains"]["kv"].as_f64().unwrap());
     let people = breakaway(folder.path(), &["tune", "cogging.toml"]);
     assert!(text(&people.stdout).contains("note: stiction cannot be compensated"));
+    // Too coarse an encoder for what is asked for: it is said, with what would do.
+    let coarse = ["tune", "base.toml", "--bandwidth", "20", "--encoder-step", "0.02"];
+    let people = breakaway(folder.path(), &coarse);
+    let most = text(&people.stdout).split("at most --bandwidth ").nth(1).unwrap().lines().next().unwrap();
+    let within = ["tune", "base.toml", "--bandwidth", most, "--encoder-step", "0.02"];
+    assert!(!text(&breakaway(folder.path(), &within).stdout).contains("too much"), "{most}");
 }
 
 #[test]

@@ -103,8 +103,9 @@ pub fn run(bytes: &[u8]) -> bool {
     let at_rate = TickSettings::at_rate(TICK_HZ);
     let loaded = Loaded::defaults(settings);
     let guarding = guards(&loaded, &identity);
-    let mut tick = Tick::new(world.clone(), TrackController::default(), tick_end, at_rate, guarding);
-    let mut app = App::new(app_end, TrackController::default(), world.clone(), NoStore, identity, loaded, &mut sums);
+    let mut tick = Tick::new(world.clone(), TrackController::<f32>::default(), tick_end, at_rate, guarding);
+    let mut app =
+        App::new(app_end, TrackController::<f32>::default(), world.clone(), NoStore, identity, loaded, &mut sums);
     let mut host = Host {
         world: world.clone(),
         decoder: Decoder::new(),

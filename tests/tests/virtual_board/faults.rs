@@ -22,6 +22,30 @@ fn a_frozen_encoder() {
 }
 
 #[test]
+fn a_dead_channel() {
+    needs_qemu!();
+    let mut bench = Bench::new(|options| options.settings.frozen_ticks = 200);
+    bench.swing();
+    // As long as a frozen one.
+    bench.breaks(Fault::EncoderChannelDead, 200 + 366 + 2);
+    let record = bench.kept(FaultCause::EncoderFrozen);
+    assert_eq!((record.value, record.limit), (200, 200));
+}
+
+/// Reversed from the start, behind noise of half a count rms.
+#[test]
+fn a_reversed_encoder_behind_noise() {
+    needs_qemu!();
+    let mut bench = Bench::new(|options| options.machine.noise = 0.5e-3);
+    bench.board.inject(Fault::EncoderReversed);
+    let ended = bench.run_relay(2.0, 1.5, 4000);
+    assert_eq!(ended.ending, Ending::Fault(FaultCause::WrongDirection));
+    // The axis has no revolution: 16 counts at half drive are asked, and 8 counts per block of 16 ticks at full drive.
+    assert!(ended.ticks < 200, "{ended:?}");
+    assert!(bench.board.seen().unwrap().x.abs() < 1.0);
+}
+
+#[test]
 fn an_encoder_that_jumps_and_one_that_dies() {
     needs_qemu!();
     let mut bench = Bench::new(|_| {});

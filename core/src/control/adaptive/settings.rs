@@ -1,6 +1,6 @@
 //! What the adaptive law is told: start values, adaptation gains, and why they are refused.
 
-use crate::control::tuning::TuningError;
+use crate::control::tuning::{Gains, TuningError};
 use crate::says::says;
 use crate::scalar::Real;
 
@@ -87,10 +87,10 @@ says! { AdaptiveError:
     Self::Motion => "speed and acceleration must be 0 or more",
 }
 
-/// The least δ behind an encoder, X/s: half of the jump that a count of `step` (X) makes in ė, filtered over `filter_s`. Below, the law
-/// adapts to the rounding, whose mean drives b̂ up (docs/adaptive.md, what `breakaway tune` chooses).
-pub fn least_delta<F: Real>(step: F, filter_s: F, tick_s: F) -> F {
-    step.scale(0.5) / (filter_s + tick_s)
+/// The least δ behind an encoder, X/s: half of the most that a count of `step` (X) makes of ė, behind observer and filter.
+/// Below, the law adapts to the rounding, whose mean drives b̂ up (docs/adaptive.md, what `breakaway tune` chooses).
+pub fn least_delta<F: Real>(step: F, gains: &Gains<F>, tick_s: F) -> F {
+    step.scale(0.5) * gains.rate_of_step(tick_s)
 }
 
 impl<F: Real> Adaptation<F> {

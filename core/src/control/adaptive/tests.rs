@@ -44,7 +44,7 @@ fn it_is_the_law() {
         let v = reference.v - rate;
         let expected = before.c * v - before.b * u_c + before.f1 * reference.v.sgn() + before.f * sat;
         assert!((u - expected).abs() < 1e-12 * expected.abs().max(1.0), "{k}: {u} {expected}");
-        law.learn(&mut state, false);
+        law.learn(&mut state);
         integral += e * TICK;
         let k = adaptation.gains;
         let laws = [
@@ -86,20 +86,24 @@ fn gains_past_the_limits_are_refused() {
 }
 
 proptest! {
-    /// Whatever the signals, the projections hold; and in saturation nothing changes but the drive.
+    /// Whatever the signals, the projections hold; and in saturation nothing adapts, and the integral goes back by what was cut off.
     #[test]
-    fn projections_and_freeze(signals in prop::collection::vec((-1.0..1.0_f64, -20.0..20.0_f64, -20.0..20.0_f64, any::<bool>()), 1..200)) {
+    fn projections_and_freeze(signals in prop::collection::vec((-1.0..1.0_f64, -20.0..20.0_f64, -20.0..20.0_f64, any::<bool>(), -9.0..9.0_f64), 1..200)) {
         let adaptation = Adaptation { b_min: 0.005, ..adaptation() };
         let law = law::<f64>(&adaptation);
         let mut state = law.start();
-        for (e, rate, v, saturated) in signals {
+        for (e, rate, v, saturated, excess) in signals {
             let before = (state.estimates, state.integral);
             law.drive_ideal(&mut state, Setpoint { x: 0.0, v, a: 5.0 * v }, Ideal { error: e, error_rate: rate, direction: v.sgn() });
-            law.learn(&mut state, saturated);
+            if saturated { law.cut(&mut state, excess) } else { law.learn(&mut state) }
             let hat = state.estimates;
             prop_assert!(hat.b >= 0.005 && hat.c >= 0.0 && hat.f1 >= 0.0 && hat.f >= 0.0);
             if saturated {
-                prop_assert_eq!((state.estimates, state.integral), before);
+                // Back by the excess over b·Kv·Λ1, in the tick's share of 1/√Λ1.
+                let g = gains();
+                let back = excess * TICK / (g.b * g.kv * libm::sqrt(g.lambda1));
+                prop_assert_eq!(state.estimates, before.0);
+                prop_assert!((state.integral - before.1 - back).abs() < 1e-12);
             }
         }
     }
@@ -117,9 +121,9 @@ proptest! {
             let single = b.drive_ideal(&mut q, Setpoint { x: 0.0, v: f(v), a: f(v) }, Ideal { error: f(e), error_rate: f(rate), direction: f(v).sgn() });
             let z = Q32::from_f64;
             let fixed = c.drive_ideal(&mut r, Setpoint { x: z(0.0), v: z(v), a: z(v) }, Ideal { error: z(e), error_rate: z(rate), direction: z(v).sgn() });
-            a.learn(&mut p, false);
-            b.learn(&mut q, false);
-            c.learn(&mut r, false);
+            a.learn(&mut p);
+            b.learn(&mut q);
+            c.learn(&mut r);
             prop_assert!((f64::from(single) - exact).abs() < 1e-4, "{} {}", single, exact);
             prop_assert!((fixed.to_f64() - exact).abs() < 1e-2, "{} {}", fixed.to_f64(), exact);
         }
@@ -139,10 +143,15 @@ fn sigma_bounds_the_residual_estimate() {
             Setpoint { x: 0.0, v: 0.0, a: 0.0 },
             Ideal { error: 0.0, error_rate: 1.5, direction: 0.0 },
         );
-        law.learn(&mut state, false);
+        law.learn(&mut state);
     }
     // |s_Δ| = 1.5 − 0.5 = 1, so f̂ → 1/σ.
     assert!((state.estimates.f - 0.5).abs() < 1e-3, "{}", state.estimates.f);
+}
+
+/// 8 Hz of bandwidth, with a filter of two ticks.
+fn two_ticks() -> Gains {
+    Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() }
 }
 
 /// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding, whose mean
@@ -150,7 +159,7 @@ fn sigma_bounds_the_residual_estimate() {
 fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
     const STEP: f64 = 1e-3;
     const MINUTE: u32 = 60_000;
-    let gains = Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() };
+    let gains = two_ticks();
     let mut adaptation = Adaptation::normalised(&START, 5.0, 1.6, 2.5, delta);
     adaptation.gains.b *= rate_of_b * rate_of_b;
     let law = Adaptive::<f64>::new(&gains, &adaptation, &START, TICK, 1, 12.0).unwrap();
@@ -164,7 +173,11 @@ fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
         let reference = sine.at(k);
         let asked = law.drive(&mut state, reference, x, reference.v.sgn());
         u = asked.clamp(-12.0, 12.0);
-        law.learn(&mut state, u != asked);
+        if u == asked {
+            law.learn(&mut state);
+        } else {
+            law.cut(&mut state, u - asked);
+        }
         squares[(k / MINUTE) as usize] += u * u / f64::from(MINUTE);
     }
     (state.estimates.b / START.b, libm::sqrt(squares[0]), libm::sqrt(squares[7]))
@@ -182,7 +195,7 @@ fn the_largest_b_is_the_one_of_the_sampled_loop() {
     );
     assert!(over <= most * (1.0 + 1e-12) && last < 2.5 * first, "{over} {first} {last}");
     // The least δ, and b̂ at a tenth of the rate as `tune` has it: nothing is learnt of the rounding that a tenth would show.
-    let (over, first, last) = eight_minutes(least_delta(1e-3, 2.0 * TICK, TICK), 0.1);
+    let (over, first, last) = eight_minutes(least_delta(1e-3, &two_ticks(), TICK), 0.1);
     std::println!("least delta: b̂/b {over:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth");
     assert!((over - 1.0).abs() < 0.1 && (last / first - 1.0).abs() < 0.02, "{over} {first} {last}");
 }

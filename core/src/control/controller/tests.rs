@@ -92,7 +92,7 @@ fn scalars_agree() {
     }
 }
 
-/// A drive past the limit is cut to it, and what is no number drives nothing; both freeze.
+/// A drive past the limit is cut to it, and the integral goes back; what is no number drives nothing, and changes no integral.
 #[test]
 fn the_limit_holds() {
     let controller = Controller::pid(pid::<f32>());
@@ -100,9 +100,47 @@ fn the_limit_holds() {
     let far = Setpoint { x: 100.0, v: 0.0, a: 0.0 };
     let command = controller.tick(&mut state, far, 0.0);
     assert_eq!(command, Command { u: 12.0, saturated: true });
-    assert_eq!(state.pid.integral, 0.0);
+    let back = state.pid.integral;
+    assert!(back < 0.0 && back.is_finite());
     let command = controller.tick(&mut state, far, f32::NAN);
     assert_eq!(command, Command { u: 0.0, saturated: true });
+    assert_eq!(state.pid.integral, back);
+}
+
+/// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three counts: with the
+/// integral frozen it was 18 % of a step of 2 rad at 3 V and 20 Hz.
+#[test]
+fn a_step_that_saturates_does_not_overshoot() {
+    const STEP: f64 = 1e-3;
+    let plant = Plant { base: BASE, effects: &[] };
+    for (hz, size, limit) in
+        [(8.0, 1.0, 3.0), (8.0, 1.0, 6.0), (10.0, 0.3, 2.0), (20.0, 2.0, 3.0), (5.0, 3.0, 2.0), (8.0, 10.0, 6.0)]
+    {
+        let gains = tune(BASE.b, BASE.c, hz, TICK, 1).unwrap();
+        let start = Estimates { b: BASE.b, c: BASE.c, f1: BASE.f1, f: 0.0 };
+        let adaptation = Adaptation::normalised(&start, 1.0, 7.0, 50.0, 0.5);
+        let pid = Pid::<f32>::new(&gains, TICK, limit).unwrap().with_rest_band(STEP);
+        let law = Adaptive::<f32>::new(&gains, &adaptation, &start, TICK, 1, limit).unwrap();
+        for controller in [Controller::pid(pid), Controller::adaptive(law)] {
+            let mut motion = plant.at_rest(0.0);
+            let mut state = ControllerState::start(&controller);
+            let (mut u, mut saturated, mut most) = (0.0, 0, 0.0_f64);
+            for k in 0..4000 {
+                let reading = libm::round(motion.x / STEP) * STEP;
+                let command = controller.tick(&mut state, Setpoint { x: size as f32, v: 0.0, a: 0.0 }, reading as f32);
+                plant.advance(&mut motion, Drive { u: &[u], ts: TICK, t: f64::from(k) * TICK }, 2);
+                u = f64::from(command.u);
+                saturated += u32::from(command.saturated);
+                most = most.max(motion.x - size);
+            }
+            std::println!(
+                "{hz} Hz, {size} rad, {limit} V: {saturated} ticks saturated, over by {most:.4}, ends {:.4}",
+                motion.x
+            );
+            assert!(saturated > 20 && most < 0.05 * size + 3.0 * STEP, "{hz} {size} {limit}: {most}");
+            assert!((motion.x - size).abs() < 0.02 * size, "{hz} {size} {limit}: {}", motion.x);
+        }
+    }
 }
 
 proptest! {

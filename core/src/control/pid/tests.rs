@@ -22,7 +22,11 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
         let reading = libm::round(x / step) * step;
         let u = pid.drive(&mut state, reference, R::from_f64(reading));
         let saturated = u.abs() > pid.limit();
-        pid.learn(&mut state, saturated);
+        if saturated {
+            pid.cut(&mut state, u.max(-pid.limit()).min(pid.limit()) - u);
+        } else {
+            pid.learn(&mut state);
+        }
         let applied = pending;
         pending = u.to_f64().clamp(-12.0, 12.0);
         v += (applied - c * v) / b * 1e-3;
@@ -50,7 +54,7 @@ fn scalars_agree() {
 /// u = b·Kv·(Λ1·∫e + Λ2·e + ė), term by term.
 #[test]
 fn it_is_the_formula() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 1e9).unwrap();
     let mut state = PidState::default();
     let mut integral = 0.0;
@@ -62,12 +66,12 @@ fn it_is_the_formula() {
         last = Some(e);
         let expected = 60.0 * (50.0 * integral + 10.0 * e + rate);
         let u = pid.drive(&mut state, Setpoint { x: e, v: 0.0, a: 0.0 }, 0.0);
-        pid.learn(&mut state, false);
+        pid.learn(&mut state);
         assert!((u - expected).abs() < 1e-9 * expected.abs().max(1.0), "{k}: {u} {expected}");
     }
 }
 
-/// In saturation the integral stands still; within the rest band it does at rest only.
+/// In saturation the integral goes back by what was cut off, and does not go on; within the rest band it does at rest only.
 #[test]
 fn the_integral_rests() {
     let gains = tune(BASE[0], BASE[1], 10.0, 1e-3, 1).unwrap();
@@ -75,20 +79,25 @@ fn the_integral_rests() {
     let mut state = PidState::default();
     let rest = Setpoint { x: 0.0, v: 0.0, a: 0.0 };
     pid.drive(&mut state, rest, 1.0);
-    pid.learn(&mut state, true);
+    pid.cut(&mut state, 0.0);
     assert_eq!(state.integral, 0.0);
+    // 3 V that were cut off are 3/(b·Kv·Λ1) X·s, a tick's share of 1/√Λ1.
+    let mut back = state;
+    pid.cut(&mut back, 3.0);
+    let wanted = 3.0 / (gains.b * gains.kv * libm::sqrt(gains.lambda1));
+    assert!((back.integral / wanted - 1.0).abs() < 1e-12, "{}", back.integral);
     pid.drive(&mut state, rest, 0.9e-3);
-    pid.learn(&mut state, false);
+    pid.learn(&mut state);
     assert_eq!(state.integral, 0.0);
     pid.drive(&mut state, Setpoint { v: 0.1, ..rest }, 0.9e-3);
-    pid.learn(&mut state, false);
+    pid.learn(&mut state);
     assert_eq!(state.integral, -0.9e-3);
 }
 
 /// A drive's limit is positive; one tick of delay allows Kv + Λ2 = 400 1/s at 1 ms, two 267 1/s.
 #[test]
 fn a_limit_that_is_none_and_a_rate_past_the_delay_are_refused() {
-    let gains = Gains { b: 2.0, kv: 300.0, lambda1: 50.0, lambda2: 100.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 300.0, lambda1: 50.0, lambda2: 100.0, filter_s: 0.0, observer_rad_s: 0.0 };
     for limit in [0.0, -1.0, f64::NAN] {
         assert_eq!(Pid::<f64>::new(&gains, 1e-3, limit).err(), Some(TuningError::Limit));
     }
@@ -100,7 +109,7 @@ fn a_limit_that_is_none_and_a_rate_past_the_delay_are_refused() {
 /// After a step of e the filtered difference decays by τ/(τ + Ts) per tick; it alone makes the drive's third term.
 #[test]
 fn the_difference_is_filtered_by_its_time_constant() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 0.0, lambda2: 10.0, filter_s: 3e-3 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 0.0, lambda2: 10.0, filter_s: 3e-3, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 1e9).unwrap();
     let mut state = PidState::default();
     let at = |x: f64| Setpoint { x, v: 0.0, a: 0.0 };
@@ -115,12 +124,12 @@ fn the_difference_is_filtered_by_its_time_constant() {
 /// The band counts where the reference neither moves nor is about to, its edge included; beyond it the integral goes on.
 #[test]
 fn the_rest_band_is_of_a_reference_at_rest() {
-    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0 };
+    let gains = Gains { b: 2.0, kv: 30.0, lambda1: 50.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };
     let pid = Pid::<f64>::new(&gains, 1e-3, 12.0).unwrap();
     let integral = |pid: &Pid<f64>, v: f64, a: f64, e: f64| {
         let mut state = PidState::default();
         pid.drive(&mut state, Setpoint { x: e, v, a }, 0.0);
-        pid.learn(&mut state, false);
+        pid.learn(&mut state);
         state.integral
     };
     let banded = pid.with_rest_band(0.25);

@@ -34,7 +34,7 @@ fn refusals_carry_what_would_do() {
     }
     // The limit of docs/control.md, section "The PID", at one tick of delay: 400 1/s at 1 ms.
     assert_eq!(largest_rate(1e-3, 1), 400.0);
-    let gains = Gains { b: 1.0, kv: 300.0, lambda1: 100.0, lambda2: 101.0, filter_s: 0.0 };
+    let gains = Gains { b: 1.0, kv: 300.0, lambda1: 100.0, lambda2: 101.0, filter_s: 0.0, observer_rad_s: 0.0 };
     let Err(TuningError::Rate { largest_per_s }) = gains.check(1e-3, 1) else { panic!() };
     assert_eq!(largest_per_s, 400.0);
     assert!(Gains { lambda2: 100.0, ..gains }.check(1e-3, 1).is_ok());
@@ -93,7 +93,14 @@ fn the_largest_bandwidth_is_where_a_limit_is_reached() {
 fn the_largest_rate_is_that_of_tick_and_delay() {
     for (tick_s, d, wanted) in [(1e-3, 0, 800.0), (1e-3, 1, 400.0), (1e-3, 3, 200.0), (2e-3, 1, 200.0)] {
         assert!((largest_rate(tick_s, d) - wanted).abs() < 1e-9);
-        let gains = Gains { b: 1.0, kv: 0.75 * wanted, lambda1: 0.0, lambda2: 0.25 * wanted, filter_s: 0.0 };
+        let gains = Gains {
+            b: 1.0,
+            kv: 0.75 * wanted,
+            lambda1: 0.0,
+            lambda2: 0.25 * wanted,
+            filter_s: 0.0,
+            observer_rad_s: 0.0,
+        };
         assert_eq!(gains.check(tick_s, d), Ok(()));
         let Err(TuningError::Rate { largest_per_s }) = Gains { kv: 0.76 * wanted, ..gains }.check(tick_s, d) else {
             panic!()
@@ -105,7 +112,7 @@ fn the_largest_rate_is_that_of_tick_and_delay() {
 /// Every gain by itself: what is not finite or negative, and a Kv or a Λ2 of 0, are refused; a Λ1 or a filter of 0 is not.
 #[test]
 fn every_gain_is_checked() {
-    let good = Gains { b: 1.0, kv: 10.0, lambda1: 0.0, lambda2: 10.0, filter_s: 0.0 };
+    let good = Gains { b: 1.0, kv: 10.0, lambda1: 0.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };
     assert_eq!(good.check(1e-3, 1), Ok(()));
     for bad in [f64::NAN, f64::INFINITY, -1.0] {
         for gains in [
@@ -113,6 +120,7 @@ fn every_gain_is_checked() {
             Gains { lambda1: bad, ..good },
             Gains { lambda2: bad, ..good },
             Gains { filter_s: bad, ..good },
+            Gains { observer_rad_s: bad, ..good },
         ] {
             assert_eq!(gains.check(1e-3, 1), Err(TuningError::Gain), "{gains:?}");
         }

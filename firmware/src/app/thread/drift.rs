@@ -58,7 +58,7 @@ impl Active {
             effects.push(model.effect(index)?.ok()?).ok()?;
         }
         let tick_s = 1.0 / tick_hz.max(1) as f32;
-        let (_, speed, acceleration) = path(&track.trajectory, tick_hz).ok()?;
+        let (_, speed, acceleration) = path::<f32>(&track.trajectory, tick_hz).ok()?;
         let motion = Motion { speed, acceleration, encoder_step: settings.position_per_count };
         let usual = DriftSettings::along(&motion, &base, tick_s).ok()?;
         let smallest_scale = usual.smallest_scale.max(1e-4 * settings.drive_full_scale);

@@ -1,8 +1,8 @@
 //! From a command to what the controller in the tick needs.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Gains, Phases, Pid, Profile, Sine,
-    TuningError, lead_s, least_delta,
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Fast, Gains, Phases, Pid, Profile,
+    Sine, TuningError, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -39,15 +39,13 @@ impl Planner for NoController {
     }
 }
 
-/// Filter on the error's difference, ticks: an encoder's count is not a position.
-const FILTER_TICKS: f32 = 2.0;
 /// From a reading to its drive, whole ticks: it is applied in the same one.
 const DELAY_TICKS: u32 = 0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
 const NO_INERTIA: f32 = 1e-30;
 
-impl Planner for TrackController {
-    type Plan = TrackPlan;
+impl<R: Fast> Planner for TrackController<R> {
+    type Plan = TrackPlan<R>;
 
     fn plan(
         &self,
@@ -55,7 +53,7 @@ impl Planner for TrackController {
         model: Option<&Model>,
         settings: &Settings,
         tick_hz: u32,
-    ) -> Result<TrackPlan, CommandError> {
+    ) -> Result<TrackPlan<R>, CommandError> {
         // The gains' limits follow from the inertia: without a model they cannot be checked.
         let model = model.ok_or(CommandError::Range(Field::B))?;
         let base: Base<f32> = model.base()?;
@@ -78,24 +76,25 @@ impl Planner for TrackController {
                     kv: kd / base.b,
                     lambda1: wire.ki / kd,
                     lambda2: wire.kp / kd,
-                    filter_s: FILTER_TICKS * tick_s,
+                    filter_s: wire.error_rate.filter_s,
+                    observer_rad_s: wire.error_rate.observer_rad_s,
                 };
                 let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
                 Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
             Wire::Adaptive(wire) => {
-                // Less a rounding: the host works it out in its own numbers.
-                let least = 0.999 * least_delta(settings.position_per_count, FILTER_TICKS * tick_s, tick_s);
-                if wire.delta < least {
-                    return Err(CommandError::Range(Field::Delta));
-                }
                 let gains = Gains {
                     b: base.b,
                     kv: wire.kv,
                     lambda1: wire.lambda1,
                     lambda2: wire.lambda2,
-                    filter_s: FILTER_TICKS * tick_s,
+                    filter_s: wire.error_rate.filter_s,
+                    observer_rad_s: wire.error_rate.observer_rad_s,
                 };
+                // Less a rounding: the host works it out in its own numbers.
+                if wire.delta < 0.999 * least_delta(settings.position_per_count, &gains, tick_s) {
+                    return Err(CommandError::Range(Field::Delta));
+                }
                 let start = Estimates { b: base.b, c: base.c, f1: base.f1, f: 0.0 };
                 let unit = Adaptation::normalised(&start, 1.0, speed, acceleration, wire.delta);
                 // Gains go with the square of the rate; a and f2 act on one and the same parameter.
@@ -118,21 +117,21 @@ impl Planner for TrackController {
         Ok(TrackPlan {
             law,
             path,
-            position_per_count: settings.position_per_count,
-            counts_per_position: 1.0 / settings.position_per_count,
-            codes_per_drive: f32::from(FULL_SCALE_CODE) / settings.drive_full_scale,
+            position_per_count: real(settings.position_per_count),
+            counts_per_position: real(1.0 / settings.position_per_count),
+            codes_per_drive: real(f32::from(FULL_SCALE_CODE) / settings.drive_full_scale),
         })
     }
 }
 
 /// The path, its largest speed and acceleration.
-pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, f32), CommandError> {
+pub(super) fn path<R: Fast>(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path<R>, f32, f32), CommandError> {
     let tick_hz = tick_hz.max(1);
     let tick_s = 1.0 / tick_hz as f32;
     let wrong = CommandError::Range(Field::TrajectoryTime);
     Ok(match *trajectory {
         Trajectory::Hold => (Path::Hold, 0.0, 0.0),
-        Trajectory::Step { distance } => (Path::Step(distance), 0.0, 0.0),
+        Trajectory::Step { distance } => (Path::Step(real(distance)), 0.0, 0.0),
         Trajectory::Sine { amplitude, period_s } => {
             let omega = core::f32::consts::TAU / period_s;
             let peak = amplitude.abs();
@@ -142,7 +141,7 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
         Trajectory::Triangle { amplitude, period_s } => {
             let phase_step = phase_step(period_s * tick_hz as f32).ok_or(wrong)?;
             let speed = 4.0 * amplitude / period_s;
-            (Path::Triangle { amplitude, phase_step, speed }, speed.abs(), 0.0)
+            (Path::Triangle { amplitude: real(amplitude), phase_step, speed: real(speed) }, speed.abs(), 0.0)
         }
         Trajectory::MinimumJerk { distance, duration_s } => {
             let ticks = duration_s * tick_hz as f32;
@@ -150,7 +149,8 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
                 return Err(wrong);
             }
             let (size, per_s) = (distance.abs(), 1.0 / duration_s);
-            let path = Path::MinimumJerk { distance, per_ticks: 1.0 / ticks, per_s, ticks: ticks as u32 };
+            let [whole, per_ticks, rate] = [distance, 1.0 / ticks, per_s].map(real);
+            let path = Path::MinimumJerk { distance: whole, per_ticks, per_s: rate, ticks: ticks as u32 };
             // 15/8 and 10/√3: the peaks of the polynomial's derivatives.
             (path, 1.875 * size * per_s, 5.774 * size * per_s * per_s)
         }
@@ -164,12 +164,12 @@ pub(super) fn path(trajectory: &Trajectory, tick_hz: u32) -> Result<(Path, f32, 
 }
 
 /// `None` where neither is asked for: off is absent.
-fn compensator(
+fn compensator<R: Fast>(
     track: &Track,
     model: &Model,
     base: &Base<f32>,
     tick_s: f32,
-) -> Result<Option<Compensator<f32>>, CommandError> {
+) -> Result<Option<Compensator<R>>, CommandError> {
     if !track.feed_forward && !track.compensation {
         return Ok(None);
     }
@@ -184,6 +184,11 @@ fn compensator(
     let ahead_s = lead_s(tick_s, DELAY_TICKS);
     let compensator = Compensator::new(&Base { b, c, f1 }, &effects).and_then(|one| one.with_lead(ahead_s));
     Ok(Some(compensator.map_err(|_| CommandError::Range(Field::EffectParameters))?.on()))
+}
+
+/// A number of the link as the tick has it.
+fn real<R: Fast>(value: f32) -> R {
+    R::from_f64(f64::from(value))
 }
 
 fn tuning(error: TuningError) -> Field {

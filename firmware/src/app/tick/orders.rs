@@ -151,7 +151,8 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         let off = if self.brakes(ending) { self.board.drive().brake() } else { self.board.drive().off() };
         self.applied = Applied::default();
         self.board.retained().write(Remembered::Nothing.to_words());
-        self.unsent.ended = Some(Ended { mode, ending, tick: self.now, ticks: run.ticks });
+        let saturated = if matches!(run.source, Source::Control) { self.controller.saturated() } else { 0 };
+        self.unsent.ended = Some(Ended { mode, ending, tick: self.now, ticks: run.ticks, saturated });
         self.unsent.news = true;
         self.collect();
         if off.is_err() {

@@ -2,18 +2,15 @@
 
 use breakaway_core::control::{Adaptation, Gains, Setpoint};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, Controller, Ending, Mismatch, Mode, Model, Pid, Track, Trajectory,
+    Adaptive, Bounds, Command, Controller, Ending, ErrorRate, Mismatch, Mode, Model, Pid, Track, Trajectory,
 };
 
 use super::Runner;
-use crate::control::design::{Design, usual_delta};
+use crate::control::design::Design;
 use crate::control::reference::Reference;
 use crate::control::tracking::Tracked;
 use crate::device::{DeviceError, text};
 use crate::interrupt::FinishFirst;
-
-/// The board's filter on the error's difference, ticks.
-const BOARD_FILTER_TICKS: f64 = 2.0;
 
 /// A reference to follow with one controller.
 #[derive(Clone, Debug)]
@@ -24,7 +21,7 @@ pub struct TrackRun<'a> {
     pub model: &'a Model,
     /// Whether it is compensated; otherwise the PID is alone.
     pub compensate: bool,
-    /// Who follows. The board's filter on the error's difference is its own: two ticks.
+    /// Who follows.
     pub controller: Controller,
     /// What is followed.
     pub reference: &'a Reference,
@@ -50,7 +47,13 @@ pub struct Followed {
 /// The PID of remark 1 as a board takes it: `b·Kv·(Λ2·e + Λ1·∫e + ė)`.
 pub fn pid(gains: &Gains) -> Controller {
     let k = gains.b * gains.kv;
-    Controller::Pid(Pid { kp: (k * gains.lambda2) as f32, ki: (k * gains.lambda1) as f32, kd: k as f32 })
+    let (kp, ki, kd) = ((k * gains.lambda2) as f32, (k * gains.lambda1) as f32, k as f32);
+    Controller::Pid(Pid { kp, ki, kd, error_rate: error_rate(gains) })
+}
+
+/// How a board makes ė.
+fn error_rate(gains: &Gains) -> ErrorRate {
+    ErrorRate { filter_s: gains.filter_s as f32, observer_rad_s: gains.observer_rad_s as f32 }
 }
 
 /// The adaptive law of a design as a board takes it, for a reference that is at each tick what `points` are.
@@ -61,9 +64,7 @@ pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
     let most =
         |of: fn(&Setpoint<f32>) -> f32| points.iter().map(|point| f64::from(of(point).abs())).fold(0.0, f64::max);
     let (gains, wanted) = (&design.gains, &design.adaptation.gains);
-    // The board's own filter may be shorter than the design's, and its encoder noisier for that.
-    let tick_s = design.tick_s;
-    let delta = design.adaptation.delta.max(usual_delta(design.rest_band, BOARD_FILTER_TICKS * tick_s, tick_s));
+    let delta = design.adaptation.delta;
     let unit = Adaptation::normalised(&design.start, 1.0, most(|point| point.v), most(|point| point.a), delta).gains;
     let rate = |wanted: f64, unit: f64| if unit > 0.0 { (wanted / unit).sqrt() as f32 } else { 0.0 };
     Controller::Adaptive(Adaptive {
@@ -71,6 +72,7 @@ pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
         lambda1: gains.lambda1 as f32,
         lambda2: gains.lambda2 as f32,
         delta: delta as f32,
+        error_rate: error_rate(gains),
         // a and f2 are one estimate, c: its rate goes with a.
         rates: [rate(wanted.c, unit.c), rate(wanted.b, unit.b), rate(wanted.f1, unit.f1), 0.0, rate(wanted.f, unit.f)],
     })
@@ -179,8 +181,8 @@ impl Runner {
             reference.push(point);
             error.push(point - f64::from(row.count.wrapping_sub(zero)) * self.scale.step);
         }
-        let saturated =
-            record.rows.iter().filter(|row| row.drive_code.unsigned_abs() >= limit_code.unsigned_abs()).count();
+        // What is logged is what was applied, after dead time and rounding: only the board knows that it asked for more.
+        let saturated = record.ended.map_or(0, |ended| ended.saturated as usize);
         let tracked = Tracked { recording, error, reference, saturated, from };
         Ok(Followed { tracked, missing, mismatches: record.mismatches })
     }

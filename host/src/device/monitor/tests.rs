@@ -75,7 +75,7 @@ fn screen(state: &State, plain: bool, width: u16, height: u16) -> String {
 #[test]
 fn running_at_80_by_24() {
     let mut state = running();
-    let ended = Ended { mode: Mode::Track, ending: Ending::TimeUp, tick: 5, ticks: 20_000 };
+    let ended = Ended { mode: Mode::Track, ending: Ending::TimeUp, tick: 5, ticks: 20_000, saturated: 0 };
     state.take(&Message::Event(Event::ExperimentEnded(ended)));
     let mismatch = Mismatch { direction: -1, speed_bin: 1, position_bin: 3, score: 7.25 };
     state.take(&Message::Event(Event::ModelMismatch(mismatch)));

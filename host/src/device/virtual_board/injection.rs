@@ -7,6 +7,10 @@ use std::str::FromStr;
 pub enum Fault {
     /// The encoder stays where it is.
     EncoderFrozen,
+    /// One channel of the encoder is dead: the count toggles by one.
+    EncoderChannelDead,
+    /// The encoder counts the other way.
+    EncoderReversed,
     /// The encoder is off by this many counts from now on.
     EncoderJump(i32),
     /// The encoder does not answer.
@@ -37,7 +41,8 @@ pub enum Fault {
 pub const MOST_GARBAGE: u16 = 2048;
 
 /// What can be injected, for messages and help.
-pub const FAULTS: &str = "encoder-frozen, encoder-jump=COUNTS, encoder-dead, tick-late=US, break=NUMBER, emergency-stop, supply=MV, \
+pub const FAULTS: &str = "encoder-frozen, encoder-channel-dead, encoder-reversed, encoder-jump=COUNTS, encoder-dead, tick-late=US, \
+                          break=NUMBER, emergency-stop, supply=MV, \
                           reset, garbage=BYTES (at most 2048), host-gone, link-noise=PPM (at most 100000), \
                           corrupt-flash (at tick 0), healed";
 
@@ -72,6 +77,8 @@ impl FromStr for Injection {
         let tick = tick.parse().map_err(|_| wrong())?;
         let fault = match (name, number) {
             ("encoder-frozen", "") => Fault::EncoderFrozen,
+            ("encoder-channel-dead", "") => Fault::EncoderChannelDead,
+            ("encoder-reversed", "") => Fault::EncoderReversed,
             ("encoder-jump", _) => Fault::EncoderJump(signed()?),
             ("encoder-dead", "") => Fault::EncoderDead,
             ("tick-late", _) => Fault::TickLate(number.parse().map_err(|_| wrong())?),

@@ -260,6 +260,8 @@ impl Runner {
     fn inject(&mut self, fault: Fault) -> Result<(), VirtualBoardError> {
         match fault {
             Fault::EncoderFrozen => self.machine.freeze(),
+            Fault::EncoderChannelDead => self.machine.kill_channel(),
+            Fault::EncoderReversed => self.machine.reverse(),
             Fault::EncoderJump(counts) => self.machine.jump(counts),
             Fault::EncoderDead => self.lockstep.condition(4, 1)?,
             Fault::TickLate(us) => self.lockstep.condition(0, us.cast_signed())?,

@@ -62,6 +62,10 @@ pub struct SimulatedMachine {
     history: Vec<f64>,
     ticks: u64,
     frozen: Option<i32>,
+    /// One channel is dead: the count toggles between this and the next.
+    dead_channel: Option<i32>,
+    /// The encoder counts the other way.
+    reversed: bool,
     offset: i32,
     last: i32,
 }
@@ -101,6 +105,8 @@ impl SimulatedMachine {
             history: Vec::new(),
             ticks: 0,
             frozen: None,
+            dead_channel: None,
+            reversed: false,
             offset: 0,
             last: 0,
         }
@@ -125,7 +131,10 @@ impl SimulatedMachine {
         let reading = plant.measured(self.position()) + self.noise.sample(&mut self.rng);
         // A machine that has run away wraps, as a counter does.
         let count = ((reading / self.encoder_step).round() as i64 as i32).wrapping_add(self.offset);
-        self.last = self.frozen.unwrap_or(count);
+        let count = if self.reversed { count.wrapping_neg() } else { count };
+        // Of the four states in a line, the live channel is high in two.
+        let toggled = self.dead_channel.map(|at| at.wrapping_add(i32::from(matches!(count.rem_euclid(4), 1 | 2))));
+        self.last = self.frozen.or(toggled).unwrap_or(count);
         self.last
     }
 
@@ -154,6 +163,16 @@ impl SimulatedMachine {
         self.frozen = Some(self.last);
     }
 
+    /// One channel of the encoder is dead from now on.
+    pub fn kill_channel(&mut self) {
+        self.dead_channel = Some(self.last);
+    }
+
+    /// The encoder counts the other way from now on.
+    pub fn reverse(&mut self) {
+        self.reversed = true;
+    }
+
     /// The encoder is off by this much from now on.
     pub fn jump(&mut self, counts: i32) {
         self.offset = self.offset.wrapping_add(counts);
@@ -161,6 +180,6 @@ impl SimulatedMachine {
 
     /// The encoder is as it was.
     pub fn heal(&mut self) {
-        (self.frozen, self.offset) = (None, 0);
+        (self.frozen, self.dead_channel, self.reversed, self.offset) = (None, None, false, 0);
     }
 }

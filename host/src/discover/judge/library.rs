@@ -20,6 +20,8 @@ const BODIES: usize = 27;
 /// Shares of the drive that a friction by load may take: less is no friction of gears, and at all of it nothing would move.
 const LEAST_LOAD: f64 = 0.01;
 const MOST_LOAD: f64 = 0.9;
+/// Windows from which a recording may have a phase of its own.
+const LEAST_ROWS: usize = 20;
 /// Most recordings that may each have a phase of their own.
 const MOST_PHASES: usize = 12;
 
@@ -110,11 +112,15 @@ impl<'a> Library<'a> {
             effect(Kind::QuadraticDrag, vec![self.field(|s| s.v * s.v.abs())]).signed(Sign::Positive),
         ];
         let centre = self.centre();
-        terms
-            .push(effect(Kind::Spring, vec![self.field(|s| s.x - centre), self.field(|_| 1.0)]).signed(Sign::Positive));
+        let stretch = self.field(|s| s.x - centre);
+        terms.push(effect(Kind::Spring, vec![stretch.clone(), self.field(|_| 1.0)]).signed(Sign::Positive));
+        if let Some(own) = self.of_each_recording(&[self.field(|_| 1.0)]) {
+            let mut term = effect(Kind::Spring, std::iter::once(stretch).chain(own).collect());
+            (term.size, term.own_zeros) = (2, true);
+            terms.push(term.signed(Sign::Positive));
+        }
         if let Some(radians) = self.radians {
-            let sine = self.field(|s| (radians * s.x).sin());
-            terms.push(effect(Kind::GravityLoad, vec![sine, self.field(|s| (radians * s.x).cos())]));
+            terms.extend(self.waves(Kind::GravityLoad, radians, |_, wave| wave));
         }
         for share in [0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5] {
             let vs = share * self.form.v95;
@@ -135,9 +141,20 @@ impl<'a> Library<'a> {
         percentile(self.form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect(), 0.5)
     }
 
-    /// Sine and cosine of k·x, with one phase, and with one for each recording.
+    /// Sine and cosine of k·x with its wave number, see [`Self::waves`].
     fn ripple(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
-        let wave = |shift: f64| self.field(|s| part(s, (k * s.x + shift).sin()) * audible(k * s.v * s.h_s));
+        let audible_part = |s: Sample, wave: f64| part(s, wave * audible(k * s.v * s.h_s));
+        let mut terms = self.waves(kind, k, audible_part);
+        // What one recording does not show twice is no ripple of its own.
+        if self.turns_seen(k) < LEAST_TURNS * self.form.dataset.recordings as f64 {
+            terms.truncate(1);
+        }
+        terms.into_iter().map(|term| term.with(1, k)).collect()
+    }
+
+    /// Sine and cosine of k·x, with one phase, and with one for each recording.
+    fn waves(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
+        let wave = |shift: f64| self.field(|s| part(s, (k * s.x + shift).sin()));
         let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
         let make = |fields: Vec<Field>| {
             let columns = fields.into_iter();
@@ -148,26 +165,26 @@ impl<'a> Library<'a> {
                 columns.map(Column::force).collect()
             };
             // Amplitude and phase, however many recordings have a phase of their own.
-            term.size = 2;
-            term.with(1, k)
+            (term.size, term.own_zeros) = (2, term.u.len() > 2);
+            term
         };
-        let mut terms = vec![make(both.to_vec())];
-        let recordings = self.form.dataset.recordings;
-        if kind == Kind::Cogging && (2..=MOST_PHASES).contains(&recordings) {
-            let own = |i: usize, field: &Field| -> Field {
-                let pieces = field.iter().zip(&self.form.dataset.pieces);
-                pieces.map(|(g, p)| if p.recording == i { g.clone() } else { vec![0.0; g.len()] }).collect()
-            };
-            let moving: Vec<usize> = (0..recordings)
-                .filter(|i| {
-                    self.form.rows.iter().filter(|r| self.form.dataset.pieces[r.piece].recording == *i).count() > 20
-                })
-                .collect();
-            if moving.len() > 1 {
-                terms.push(make(moving.iter().flat_map(|i| both.iter().map(|f| own(*i, f))).collect()));
-            }
+        std::iter::once(both.to_vec()).chain(self.of_each_recording(&both)).map(make).collect()
+    }
+
+    /// Each of the fields within each recording that moves, and nothing in the others; `None` where that is one recording, or where
+    /// they are too many.
+    fn of_each_recording(&self, fields: &[Field]) -> Option<Vec<Field>> {
+        let dataset = self.form.dataset;
+        if !(2..=MOST_PHASES).contains(&dataset.recordings) {
+            return None;
         }
-        terms
+        let own = |i: usize, field: &Field| -> Field {
+            let pieces = field.iter().zip(&dataset.pieces);
+            pieces.map(|(g, p)| if p.recording == i { g.clone() } else { vec![0.0; g.len()] }).collect()
+        };
+        let rows = |i: usize| self.form.rows.iter().filter(|r| dataset.pieces[r.piece].recording == i).count();
+        let moving: Vec<usize> = (0..dataset.recordings).filter(|i| rows(*i) > LEAST_ROWS).collect();
+        (moving.len() > 1).then(|| moving.iter().flat_map(|i| fields.iter().map(|f| own(*i, f))).collect())
     }
 
     /// Turns of a ripple that are seen: places, an eighth of a turn wide, that are passed slowly enough to show it.

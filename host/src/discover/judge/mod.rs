@@ -1,6 +1,7 @@
 //! The two-sided force judge: which effect is missing, from the measured forces, before anything is simulated.
 
 pub mod dataset;
+pub mod direction;
 pub mod evidence;
 pub mod library;
 pub mod reading_age;
@@ -13,3 +14,4 @@ pub mod start;
 pub mod term;
 pub mod wave_numbers;
 pub mod weak_form;
+pub mod zeros;

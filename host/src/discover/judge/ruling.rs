@@ -21,6 +21,8 @@ pub struct Finding {
     pub errors: Errors,
     /// Indices of the parameters that are held.
     pub held: Vec<usize>,
+    /// Whether each recording has a phase, or a place of rest, of its own.
+    pub own_zeros: bool,
     /// Effects that these recordings do not tell from it, and by how many standard deviations it is better.
     pub tied: Vec<(Kind, f64)>,
     /// Gain of the side that gains less, nats, and its z over blocks.
@@ -57,6 +59,17 @@ pub struct Remainder {
     pub over_noise: f64,
     /// Largest z over blocks, on the side that tells less, of anything that was tried beside the final model.
     pub significance: f64,
+}
+
+impl Remainder {
+    /// How far it moves a mass of one within `segment_s`, rms about the best start, position units × b: white force of the two-sided
+    /// density S leaves S·L³/420 of the doubly integrated motion about its line, and S is the mean square in windows of (1 − s²)³ over
+    /// their noise bandwidth .816/T.
+    pub fn moves_within(&self, segment_s: f64) -> f64 {
+        let half_width_s = 2.4 / (std::f64::consts::TAU * self.bandwidth_hz);
+        let density = self.rms_u.powi(2) * half_width_s / 0.816;
+        (density * segment_s.powi(3) / 420.0).sqrt()
+    }
 }
 
 /// What the judge says.
@@ -221,6 +234,7 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
                     effect,
                     errors,
                     held,
+                    own_zeros: term.own_zeros,
                     tied: tied.collect(),
                     gain: evidence.gain(),
                     z: evidence.z(),

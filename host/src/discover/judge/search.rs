@@ -189,7 +189,7 @@ impl<'a> Stage<'a> {
                 e.rejection = Some(Rejection::Gain);
             }
         }
-        (best_of_each(all), bar)
+        (best_of_each(all, self.settings), bar)
     }
 
     /// What a name must gain here: more than decoys do, which gain by what this machine leaves unexplained.
@@ -226,7 +226,7 @@ impl<'a> Stage<'a> {
                 pairs.filter_map(|term| self.weighed(vec![one.terms[0].clone(), term], bar)).collect::<Vec<_>>(),
             );
         }
-        best_of_each(all)
+        best_of_each(all, self.settings)
     }
 
     fn round(&self) -> Round {
@@ -260,12 +260,19 @@ fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
     possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
 }
 
-fn best_of_each(mut all: Vec<Tried>) -> Vec<Tried> {
+/// The best of every name. One zero for all recordings is preferred to one for each, unless that does better.
+fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
     all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
     let mut best: Vec<Tried> = Vec::new();
     for one in all {
-        if !best.iter().any(|t| t.names() == one.names()) {
+        let Some(own) = best.iter_mut().find(|t| t.names() == one.names()) else {
             best.push(one);
+            continue;
+        };
+        let zeros = |tried: &Tried| tried.terms.iter().filter(|t| t.own_zeros).count();
+        let as_well = own.rejection() == one.rejection() && own.better_than(&one) < settings.tie_z;
+        if as_well && zeros(&one) < zeros(own) {
+            *own = one;
         }
     }
     best

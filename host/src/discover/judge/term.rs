@@ -86,6 +86,8 @@ pub struct Term {
     pub a: Vec<Column>,
     /// Whether the first column takes the place of the Coulomb friction's direction.
     pub replaces_direction: bool,
+    /// Whether each recording has columns of its own, as its encoder starts anywhere.
+    pub own_zeros: bool,
     /// What the amplitudes may be.
     pub sign: Sign,
     /// A second body: its angular frequency (rad/s) and damping ratio. Side A sends every force through it.
@@ -136,6 +138,7 @@ impl Term {
             u,
             a: Vec::new(),
             replaces_direction: false,
+            own_zeros: false,
             sign: Sign::Any,
             body: None,
             drive: None,

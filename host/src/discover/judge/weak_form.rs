@@ -6,7 +6,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::dataset::{Dataset, Piece};
-use super::regression::Design;
+use super::direction::sliding;
 use super::settings::Settings;
 
 /// A quantity at every sample of every piece.
@@ -162,27 +162,6 @@ impl<'a> WeakForm<'a> {
         Some(form)
     }
 
-    /// Friction at rest holds against the drive, up to the Coulomb friction f1: there the direction is that of the drive, u/f1. The two
-    /// follow from each other.
-    fn stick(&mut self, sliding: &Field, settings: &Settings) {
-        let weights = vec![1.0; self.rows.len()];
-        for _ in 0..STICKING {
-            let columns = vec![self.row_a[..].into(), self.row_v[..].into(), self.row_direction[..].into()];
-            let design = Design { target: &self.row_u, columns };
-            let Some(f1) = design.fit(self, &weights, settings.folds).map(|fit| fit.coefficients[2]) else { return };
-            if !(f1 > 0.0) {
-                return;
-            }
-            let pieces = self.direction.iter_mut().zip(sliding).zip(&self.dataset.pieces);
-            for ((direction, sliding), piece) in pieces {
-                for ((direction, sliding), u) in direction.iter_mut().zip(sliding).zip(&piece.u) {
-                    *direction = sliding + (1.0 - sliding.abs()) * (u / f1).clamp(-1.0, 1.0);
-                }
-            }
-            self.row_direction = self.means(&self.direction);
-        }
-    }
-
     fn place_rows(&mut self, settings: &Settings, noise_v: &[f64]) {
         let pieces = &self.dataset.pieces;
         let total_s: f64 = pieces.iter().map(|p| p.x.len() as f64 * p.h_s).sum();
@@ -296,24 +275,8 @@ pub struct Sample {
     pub h_s: f64,
 }
 
-/// Smoothed sign of the velocity at every sample of a piece, 0 at rest: from the fewest samples, up to `most` to either side, in which
-/// the sensor's noise makes less than [`SLOW`] of the speed `v95`.
-fn sliding(piece: &Piece, most: usize, v95: f64) -> Vec<f64> {
-    let kernel = |half: usize| Kernels::new(half, piece.h_s);
-    let noise_v = |kernel: &Kernels| piece.sigma * norm(&kernel.velocity);
-    let halves = (2..most.max(3)).map(kernel);
-    let fine = halves.into_iter().find(|own| noise_v(own) < SLOW * v95).unwrap_or_else(|| kernel(most.max(2)));
-    let slow = 2.0 * noise_v(&fine) + 0.003 * v95;
-    over(&fine, &fine.velocity, &piece.x).iter().map(|v| (v / slow).tanh()).collect()
-}
-
-/// Share of the 95th percentile of the speed that the noise of the velocity may make.
-const SLOW: f64 = 0.01;
-/// Rounds in which the friction at rest and the Coulomb friction follow from each other: the second changes f1 by a tenth of the first.
-const STICKING: usize = 2;
-
 /// The weights at every sample; at the ends that of the last full window.
-fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
+pub(super) fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 2 * kernel.half + 1 {
         return vec![0.0; n];
@@ -328,7 +291,7 @@ fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
     values
 }
 
-fn norm(weights: &[f64]) -> f64 {
+pub(super) fn norm(weights: &[f64]) -> f64 {
     weights.iter().map(|w| w * w).sum::<f64>().sqrt()
 }
 
@@ -339,74 +302,4 @@ pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     }
     let at = ((values.len() - 1) as f64 * share) as usize;
     *values.select_nth_unstable_by(at, f64::total_cmp).1
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::reading_age::reading_age_s;
-    use super::super::sides::{Model, Weights};
-    use super::*;
-    use crate::discover::judge::regression::rms;
-    use crate::recording::Recording;
-
-    const B: f64 = 0.02;
-    const F1: f64 = 0.3;
-
-    /// 20 s at 1 kHz of an axis with Coulomb friction, driven by sines of .9 V at 1.1 Hz and .3 V at 4.7 Hz: it rests for a third of
-    /// the time. The position is read every `held` rows, and is `late` rows old.
-    fn axis(held: usize, late: usize) -> Recording {
-        let (h, steps) = (1e-3, 10);
-        let (mut x, mut v) = (0.0, 0.0_f64);
-        let mut recording = Recording::default();
-        let mut seen = vec![0.0; late + 1];
-        for k in 0..20_000 {
-            let t = k as f64 * h;
-            let u = 0.5 * (6.9 * t).sin() + 0.3 * (29.5 * t).sin();
-            seen.push(x);
-            let read = k / held * held;
-            recording.t.push(t);
-            recording.u.push(u);
-            recording.x.push(seen[read + 1]);
-            for _ in 0..steps {
-                let dt = h / f64::from(steps);
-                let free = v + (u - F1 * v.signum()) / B * dt;
-                let stuck = v == 0.0 && u.abs() <= F1;
-                let turns = v != 0.0 && free * v < 0.0;
-                v = if stuck || turns {
-                    0.0
-                } else if v == 0.0 {
-                    (u - F1 * u.signum()) / B * dt
-                } else {
-                    free
-                };
-                x += v * dt;
-            }
-        }
-        recording
-    }
-
-    /// What the base leaves of the drive in wide windows, about a third of which is rest: it leaves 5.6 % where friction at rest is nil.
-    /// What is left then is of the 5 ms in which the velocity is smoothed.
-    #[test]
-    fn friction_at_rest_holds_against_the_drive() {
-        let settings = Settings::default();
-        let dataset = Dataset::new(&[axis(1, 0)], &settings);
-        let form = WeakForm::new(&dataset, 0.15, &settings).unwrap();
-        let fitted = Model::default().fit(&form, &Weights::equal(&form), &settings).unwrap();
-        let left = rms(&fitted.u.residual) / rms(&form.row_u);
-        assert!(left < 0.02, "{left}");
-        assert!((fitted.u.f1 / F1 - 1.0).abs() < 0.02 && (fitted.u.b / B - 1.0).abs() < 0.02, "{:?}", fitted.u.f1);
-    }
-
-    /// A position read every 8 ms is found to be as old as it is: 0, 3 and 6 ms, to half a row. A position of every row has no age.
-    #[test]
-    fn the_age_of_held_readings_is_found() {
-        let settings = Settings::default();
-        for late in [0, 3, 6] {
-            let fresh = Recording::refreshed_together(&[axis(8, late)]);
-            let age_s = reading_age_s(&fresh, &settings).unwrap();
-            assert!((age_s - 1e-3 * late as f64).abs() < 0.5e-3, "{late}: {age_s}");
-        }
-        assert_eq!(reading_age_s(&[axis(1, 3)], &settings), None);
-    }
 }

@@ -124,7 +124,7 @@ fn pushes_and_zeroes() {
             _ => None,
         };
         if let Some(ending) = ending {
-            let ended = Ended { mode: Mode::Drive, ending, tick: 9, ticks: 5 };
+            let ended = Ended { mode: Mode::Drive, ending, tick: 9, ticks: 5, saturated: 0 };
             bytes.extend(frame(&Message::Event(Event::ExperimentEnded(ended))));
         }
         if !matches!(command, Command::Hello | Command::Status | Command::GetSettings) {

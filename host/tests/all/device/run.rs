@@ -33,7 +33,7 @@ fn peer(event: Event, then: Then) -> Peer {
 }
 
 fn ended(ending: Ending) -> Event {
-    Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 509, ticks: 500 })
+    Event::ExperimentEnded(Ended { mode: Mode::Relay, ending, tick: 509, ticks: 500, saturated: 0 })
 }
 
 fn run(peer: &Peer) -> (std::process::Output, tempfile::TempDir, PathBuf) {

@@ -11,7 +11,7 @@ struct Smooth {
     signs: [f64; 4],
 }
 
-const GAINS: Gains = Gains { b: PAPER.b, kv: 10.0, lambda1: 100.0, lambda2: 20.0, filter_s: 0.0 };
+const GAINS: Gains = Gains { b: PAPER.b, kv: 10.0, lambda1: 100.0, lambda2: 20.0, filter_s: 0.0, observer_rad_s: 0.0 };
 /// kb, kc = ka + kf2, kf1, kf.
 const K: Estimates<f64> = Estimates { b: 0.01, c: 20.0, f1: 10.0, f: 10.0 };
 const DELTA: f64 = 0.02;
@@ -61,7 +61,7 @@ impl Smooth {
             // What the law adds, away from its projections: a flipped sign must not meet them.
             let mut probe = state;
             probe.estimates = Estimates { b: 10.0, c: 10.0, f1: 10.0, f: 10.0 };
-            self.law.learn(&mut probe, false);
+            self.law.learn(&mut probe);
             let added = probe.estimates;
             state = probe;
             state.estimates = Estimates {

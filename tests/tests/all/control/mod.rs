@@ -4,6 +4,7 @@
 
 mod adaptation;
 mod compensation;
+mod encoder;
 mod robust;
 
 use breakaway::control::design::{Design, Request};
