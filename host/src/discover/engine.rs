@@ -8,7 +8,7 @@ use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::by_force;
 use super::corroboration;
-use super::data::{Data, FIT_SEGMENT_S};
+use super::data::Data;
 use super::gap::open_loop_squares;
 use super::judge;
 use super::judge::library::weighs;
@@ -27,11 +27,9 @@ use crate::recording::{Recording, Units};
 /// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
 /// effect brings it down to it.
 const ROUGH: f64 = 150.0;
-/// Held-out simulation error, over what the force that is left makes of it, up to which that force explains it where nothing predicts it.
-/// Random force of a tenth of the bandwidth of the windows moves the axis √10 times as far as white force of the same rms in them.
-const SHAKEN: f64 = 3.2;
-/// Force that is left in wide windows, over what the sensor's noise makes of it, from which it is force.
-const OVER_THE_SENSOR: f64 = 5.0;
+/// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
+/// windows and nothing predicts it with a z over blocks that a name needs.
+const SHAKEN: [f64; 2] = [5.0, 5.0];
 /// The same up to which the sensor's noise is all that is left.
 const AT_THE_NOISE: f64 = 1.1;
 /// Times that the recordings are given one zero.
@@ -192,12 +190,10 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
+    let [simulated, left] = SHAKEN;
     let remainder = &ruling.remainder;
-    let moved = found.over_noise() * found.noise_floor;
-    let by_the_force = remainder.moves_within(FIT_SEGMENT_S) / found.model.base.b;
-    let shaken = found.over_noise() > AT_THE_NOISE
-        && remainder.over_noise > OVER_THE_SENSOR
-        && moved < SHAKEN * by_the_force
+    let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
+        && remainder.over_noise > left
         && remainder.predictable.is_none()
         && remainder.significance < judge::settings::Settings::default().z;
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()

@@ -61,17 +61,6 @@ pub struct Remainder {
     pub significance: f64,
 }
 
-impl Remainder {
-    /// How far it moves a mass of one within `segment_s`, rms about the best start, position units × b: white force of the two-sided
-    /// density S leaves S·L³/420 of the doubly integrated motion about its line, and S is the mean square in windows of (1 − s²)³ over
-    /// their noise bandwidth .816/T.
-    pub fn moves_within(&self, segment_s: f64) -> f64 {
-        let half_width_s = 2.4 / (std::f64::consts::TAU * self.bandwidth_hz);
-        let density = self.rms_u.powi(2) * half_width_s / 0.816;
-        (density * segment_s.powi(3) / 420.0).sqrt()
-    }
-}
-
 /// What the judge says.
 #[derive(Clone, Debug)]
 pub struct Ruling {

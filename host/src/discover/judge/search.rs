@@ -260,7 +260,7 @@ fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
     possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
 }
 
-/// The best of every name. One zero for all recordings is preferred to one for each, unless that does better.
+/// The best of every name. One zero for all recordings is preferred to one for each, unless that does better with the z of a name.
 fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
     all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
     let mut best: Vec<Tried> = Vec::new();
@@ -270,7 +270,7 @@ fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
             continue;
         };
         let zeros = |tried: &Tried| tried.terms.iter().filter(|t| t.own_zeros).count();
-        let as_well = own.rejection() == one.rejection() && own.better_than(&one) < settings.tie_z;
+        let as_well = own.rejection() == one.rejection() && own.better_than(&one) < settings.z;
         if as_well && zeros(&one) < zeros(own) {
             *own = one;
         }
