@@ -1,10 +1,11 @@
 //! Whether names that the simulated motion alone gives are believed (docs/discovery.md, section 9).
 
-use breakaway_core::plant::Effect;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
+use super::judge::library::weighs;
 use super::judge::ruling::Ruling;
 use super::outcome::Discovery;
 use super::screen::Screen;
@@ -21,6 +22,10 @@ const OBJECTION: f64 = 1.02;
 /// Share of the force residual that names must leave below where the motion does not come near the noise: what is left then is a force,
 /// and a true name takes a part of it.
 const MATERIAL: f64 = 0.8;
+/// z over blocks below which the measured forces speak against a name, and force that is left, over what the sensor's noise makes of it,
+/// from which they have a say.
+const AGAINST: f64 = -2.0;
+const FORCE: f64 = 5.0;
 /// Windows of the measured forces where the judge has none, half-width in s.
 const HALF_WIDTH_S: f64 = 0.1;
 /// Those of the judge's windows in which the sensor's noise does not count, over those in which it ruled.
@@ -44,7 +49,19 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if small.effects.is_empty() {
         return small.down_to_the_noise() && ruling.is_some_and(Ruling::tells_nothing_is_missing);
     }
+    if ruling.is_some_and(|ruling| speak_against(ruling, small)) {
+        return false;
+    }
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
+}
+
+/// Whether the measured forces, of which more is left than the sensor makes, speak against each of the names: on one side at least they
+/// are worse predicted with it, significantly.
+fn speak_against(ruling: &Ruling, small: &Discovery) -> bool {
+    let against = |kind: Kind| ruling.candidates.iter().any(|own| own.kind == kind && own.z < AGAINST);
+    ruling.findings.is_empty()
+        && ruling.remainder.over_noise > FORCE
+        && small.effects.iter().all(|named| weighs(named.kind) && against(named.kind))
 }
 
 /// The same where the measured forces bear nothing out: the names come down to the noise, and do better than the base and the curve.
