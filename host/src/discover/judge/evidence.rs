@@ -189,7 +189,7 @@ fn rejection(
     }
     let local = if lone_motion { evidence.u.local } else { evidence.local() };
     let z = if lone_motion { evidence.u.z.min(evidence.a.z + 1.0) } else { evidence.z() };
-    let enough = local >= bar.local && evidence.gain() >= bar.flat && z >= settings.z;
+    let enough = local >= bar.local && evidence.gain() >= bar.flat && z >= settings.least_z(term.chosen_of);
     if !enough {
         return Some(Rejection::Gain);
     }

@@ -216,18 +216,23 @@ impl<'a> Library<'a> {
         let signed: Vec<f64> = self.residual.iter().zip(direction).map(|(r, s)| r * s).collect();
         let mut terms = Vec::new();
         let seen = |k: &f64| self.turns_seen(*k) >= LEAST_TURNS;
-        for k in peaks(form, self.residual, self.weights, Over::Position, LINES).into_iter().filter(seen) {
-            terms.extend(self.ripple(Kind::Cogging, k, |_, wave| wave));
+        let chosen = |of_lines: f64| move |term: Term| Term { chosen_of: of_lines, ..term };
+        let found = peaks(form, self.residual, self.weights, Over::Position, LINES);
+        for k in found.lines.into_iter().filter(seen) {
+            terms.extend(self.ripple(Kind::Cogging, k, |_, wave| wave).into_iter().map(chosen(found.of_lines)));
             if form.dataset.recordings > 1 {
                 let k = coherent(form, self.residual, self.weights, k);
-                terms.extend(self.ripple(Kind::Cogging, k, |_, wave| wave).into_iter().take(1));
+                let shared = self.ripple(Kind::Cogging, k, |_, wave| wave).into_iter().take(1);
+                terms.extend(shared.map(chosen(found.of_lines)));
             }
         }
         if let Some(radians) = self.radians {
             terms.extend(self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave));
         }
-        for k in peaks(form, &signed, self.weights, Over::Position, LINES).into_iter().filter(seen) {
-            terms.extend(self.ripple(Kind::PositionFriction, k, |s, wave| s.direction * wave));
+        let found = peaks(form, &signed, self.weights, Over::Position, LINES);
+        for k in found.lines.into_iter().filter(seen) {
+            let ripple = self.ripple(Kind::PositionFriction, k, |s, wave| s.direction * wave);
+            terms.extend(ripple.into_iter().map(chosen(found.of_lines)));
         }
         terms
     }
@@ -401,12 +406,14 @@ impl<'a> Library<'a> {
             term.holds_drive = true;
             terms.push(term);
         }
-        for omega in peaks(form, self.residual, self.weights, Over::Time, LINES) {
+        let found = peaks(form, self.residual, self.weights, Over::Time, LINES);
+        for omega in found.lines {
             if self.harmonic_of_the_drive(omega) {
                 continue;
             }
             let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
-            terms.push(effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega));
+            let term = effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega);
+            terms.push(Term { chosen_of: found.of_lines, ..term });
         }
         for i in 1..24 {
             let instant = first + span * f64::from(i) / 24.0;

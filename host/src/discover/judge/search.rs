@@ -291,10 +291,11 @@ fn rank(tried: &Tried) -> f64 {
 fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
     let names: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
+    let bar_z = |tried: &Tried| settings.least_z(tried.terms[0].chosen_of);
     // Share of the drive that a term predicts.
     let predicted = |gain: f64| left * (1.0 - (-2.0 * gain).exp()).sqrt();
     let strongest = |tried: &[Tried]| {
-        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0 && t.evidence[0].z() >= settings.z);
+        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0 && t.evidence[0].z() >= bar_z(t));
         let seen = alone.map(|t| (t, t.evidence[0].u.flat));
         let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
         seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)
@@ -313,7 +314,7 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
         // What is inconsistent alone and part of the pair that is named speaks for the pair.
         let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
         let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
-        if possible && other.gain * factor > best.gain && other.evidence[0].z() >= settings.z && !part {
+        if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
             return Outcome::Unknown(other.terms[0].name);
         }
     }

@@ -50,6 +50,14 @@ pub struct Settings {
     pub most_names: usize,
 }
 
+impl Settings {
+    /// Least z over blocks of a term that was chosen of so many. The largest of n normal numbers is about √(2·ln n); adding it in
+    /// squares keeps the chance of a false name what it is without the choice.
+    pub fn least_z(&self, chosen_of: f64) -> f64 {
+        (self.z * self.z + 2.0 * chosen_of.max(1.0).ln()).sqrt()
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {

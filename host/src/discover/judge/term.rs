@@ -98,6 +98,8 @@ pub struct Term {
     pub holds_drive: bool,
     /// Amplitudes that count when parsimony is asked for.
     pub size: usize,
+    /// Terms, each independent of the others, of which this one was chosen because it explains most; 1 where nothing was chosen.
+    pub chosen_of: f64,
 }
 
 /// How the drive arrives.
@@ -143,6 +145,7 @@ impl Term {
             body: None,
             drive: None,
             holds_drive: false,
+            chosen_of: 1.0,
         }
     }
 

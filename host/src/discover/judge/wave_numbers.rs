@@ -38,12 +38,21 @@ pub enum Over {
     Time,
 }
 
-/// The strongest lines of `residual` (drive units, weighted), the strongest first, at most `count`.
-pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over, count: usize) -> Vec<f64> {
+/// The strongest lines of a spectrum.
+#[derive(Clone, Debug, Default)]
+pub struct Peaks {
+    /// Wave numbers or angular frequencies, the strongest first.
+    pub lines: Vec<f64>,
+    /// Lines of which they are the strongest, each further from the next than the recordings resolve.
+    pub of_lines: f64,
+}
+
+/// The strongest lines of `residual` (drive units, weighted), at most `count`.
+pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over, count: usize) -> Peaks {
     let points = points(form, residual, weights, over);
     let span = spans(&points).into_iter().fold(0.0, f64::max);
     if !(span > 0.0 && span.is_finite()) || points.len() < 16 {
-        return Vec::new();
+        return Peaks::default();
     }
     let spacing = TAU / span / OVERSAMPLING;
     let mut rates: Vec<f64> = points.iter().map(|p| (p.rate * p.h_s).abs()).collect();
@@ -68,7 +77,7 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
         let width = OVERSAMPLING as usize + 1;
         power[i.saturating_sub(width)..(i + width + 1).min(lines)].fill(0.0);
     }
-    found
+    Peaks { lines: found, of_lines: (lines - first) as f64 / OVERSAMPLING }
 }
 
 /// The line near `k` that explains most with one phase for all recordings, whose positions share a zero.
