@@ -142,12 +142,13 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
 /// The ruling on a request, and the request with one zero for all recordings, where a law of the position shows that each had its own.
 fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, Option<Ruling>, bool) {
     let settings = judge::settings::Settings::default();
-    let rule = |request: &Request| {
+    let rule = |request: &Request, half_width_s: f64| {
         let judged = without_known(&request.recordings, known);
-        judge::ruling::rule(&judged, radians(units), &settings).map(|ruling| ruling.beside(known))
+        let ruling = judge::ruling::rule_from(&judged, radians(units), half_width_s, &settings);
+        ruling.map(|ruling| ruling.beside(known))
     };
     let mut request = request.clone();
-    let mut ruling = rule(&request);
+    let mut ruling = rule(&request, 0.0);
     let mut rezeroed = false;
     // A second law of the position may tell the zeros better than the first.
     for _ in 0..REZEROED {
@@ -157,7 +158,8 @@ fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, O
         let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
         moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
         rezeroed = true;
-        ruling = rule(&request);
+        // Where narrower windows named nothing they name nothing now.
+        ruling = rule(&request, own.half_width_s);
     }
     (request, ruling, rezeroed)
 }

@@ -3,6 +3,8 @@
 //! The mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2 on an even clock. Without it the hold looks
 //! like half a sample of delay.
 
+use std::sync::OnceLock;
+
 use super::settings::Settings;
 use crate::recording::Recording;
 
@@ -34,6 +36,8 @@ pub struct Dataset {
     pub shared_clock: bool,
     /// Delays up to which a sensor's own clock explains, s (see [`Recording::unsure_s`]).
     pub unsure_s: f64,
+    /// See [`Self::fundamentals`]; found when they are first asked for.
+    fundamentals: OnceLock<Vec<(f64, f64)>>,
 }
 
 /// Gap that ends a piece: so many seconds, and so many intervals.
@@ -49,54 +53,55 @@ impl Dataset {
         });
         let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
         let unsure_s = recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max);
-        Self { pieces, recordings: recordings.len(), shared_clock: starts, unsure_s }
+        let fundamentals = OnceLock::new();
+        Self { pieces, recordings: recordings.len(), shared_clock: starts, unsure_s, fundamentals }
     }
 }
 
 impl Dataset {
     /// Angular frequency at which the drive of each recording repeats, rad/s, and how often it does; none where it does not.
-    pub fn fundamentals(&self) -> Vec<(f64, f64)> {
-        self.pieces
-            .iter()
-            .filter_map(|piece| {
-                // A few thousand samples tell a period of a tenth of them.
-                let thin = (piece.u.len() / 3000).max(1);
-                let u: Vec<f64> = piece.u.iter().step_by(thin).copied().collect();
-                let n = u.len();
-                let mean = u.iter().sum::<f64>() / n.max(1) as f64;
-                let product = |lag: usize| -> f64 {
-                    let pairs = u.iter().zip(&u[lag..]);
-                    let (mut cross, mut a, mut b) = (0.0, 0.0, 0.0);
-                    for (x, y) in pairs {
-                        cross += (x - mean) * (y - mean);
-                        a += (x - mean).powi(2);
-                        b += (y - mean).powi(2);
-                    }
-                    cross / (a * b).sqrt().max(f64::MIN_POSITIVE)
-                };
-                let mut fell = false;
-                let mut best: Option<(usize, f64)> = None;
-                for lag in 2..n / 3 {
-                    let own = product(lag);
-                    fell |= own < 0.5;
-                    if fell && own > REPEATS && best.is_none_or(|(_, most)| own > most) {
-                        best = Some((lag, own));
-                    } else if best.is_some() && own < 0.5 {
-                        break;
-                    }
-                }
-                let (lag, _) = best?;
-                let period_s = (lag * thin) as f64 * piece.h_s;
-                // The last multiple of the period within the piece tells it best.
-                let most = n / lag - 1;
-                let around =
-                    (lag * most).saturating_sub(most.min(lag / 4))..=(lag * most + most.min(lag / 4)).min(n - 2);
-                let at = around.max_by(|a, b| product(*a).total_cmp(&product(*b)));
-                let refined =
-                    at.filter(|_| most >= 2).map_or(period_s, |at| (at * thin) as f64 * piece.h_s / most as f64);
-                Some((std::f64::consts::TAU / refined, n as f64 / lag as f64))
-            })
-            .collect()
+    pub fn fundamentals(&self) -> &[(f64, f64)] {
+        self.fundamentals.get_or_init(|| self.pieces.iter().filter_map(Piece::fundamental).collect())
+    }
+}
+
+impl Piece {
+    /// Angular frequency at which the drive repeats, rad/s, and how often it does; `None` where it does not.
+    fn fundamental(&self) -> Option<(f64, f64)> {
+        // A few thousand samples tell a period of a tenth of them.
+        let thin = (self.u.len() / 3000).max(1);
+        let u: Vec<f64> = self.u.iter().step_by(thin).copied().collect();
+        let n = u.len();
+        let mean = u.iter().sum::<f64>() / n.max(1) as f64;
+        let product = |lag: usize| -> f64 {
+            let pairs = u.iter().zip(&u[lag..]);
+            let (mut cross, mut a, mut b) = (0.0, 0.0, 0.0);
+            for (x, y) in pairs {
+                cross += (x - mean) * (y - mean);
+                a += (x - mean).powi(2);
+                b += (y - mean).powi(2);
+            }
+            cross / (a * b).sqrt().max(f64::MIN_POSITIVE)
+        };
+        let mut fell = false;
+        let mut best: Option<(usize, f64)> = None;
+        for lag in 2..n / 3 {
+            let own = product(lag);
+            fell |= own < 0.5;
+            if fell && own > REPEATS && best.is_none_or(|(_, most)| own > most) {
+                best = Some((lag, own));
+            } else if best.is_some() && own < 0.5 {
+                break;
+            }
+        }
+        let (lag, _) = best?;
+        let period_s = (lag * thin) as f64 * self.h_s;
+        // The last multiple of the period within the piece tells it best.
+        let most = n / lag - 1;
+        let around = (lag * most).saturating_sub(most.min(lag / 4))..=(lag * most + most.min(lag / 4)).min(n - 2);
+        let at = around.max_by(|a, b| product(*a).total_cmp(&product(*b)));
+        let refined = at.filter(|_| most >= 2).map_or(period_s, |at| (at * thin) as f64 * self.h_s / most as f64);
+        Some((std::f64::consts::TAU / refined, n as f64 / lag as f64))
     }
 }
 

@@ -120,10 +120,20 @@ const WIDE: f64 = 4.0;
 
 /// Rules over `recordings`, whose position unit has so many radians; `None` where they hold no motion.
 pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {
+    rule_from(recordings, radians, 0.0, settings)
+}
+
+/// The same in windows of no less than this half-width, s: those of a ruling on the same motion, counted from other zeros.
+pub fn rule_from(
+    recordings: &[Recording],
+    radians: Option<f64>,
+    least_half_width_s: f64,
+    settings: &Settings,
+) -> Option<Ruling> {
     let dataset = Dataset::new(recordings, settings);
     let narrowest = narrowest(&dataset, settings)?;
     let mut judged: Vec<(WeakForm<'_>, Judged)> = Vec::new();
-    for width in widths(narrowest, settings) {
+    for width in widths(narrowest, settings).into_iter().filter(|width| *width >= least_half_width_s) {
         let Some(mut form) = WeakForm::new(&dataset, width, settings) else { continue };
         form.radians = radians;
         form.ripples = width < WIDE * narrowest;

@@ -19,10 +19,10 @@ use crate::fit::{Fit, median};
 const PART_FLOOR: f64 = 0.1;
 const FINAL_FLOOR: f64 = 1.0;
 /// Effects that go on to all segments at the least; the share of the best gain that takes further ones there; and the one below
-/// which an effect with a memory, whose simulation takes ten times as long, does not.
+/// which none does.
 const FINALISTS: usize = 6;
 const CLOSE: f64 = 0.7;
-const COSTLY: f64 = 0.25;
+const RIVAL: f64 = 0.25;
 /// Share of the best gain from which an effect is refined, and from which it is iterated to the end before.
 const COMPETITIVE: f64 = 0.4;
 const CONTENDING: f64 = 0.7;
@@ -69,8 +69,8 @@ pub(super) fn excluded(kind: Kind, effects: &[Effect<f64>], rotary: bool) -> Opt
 /// Tries the effects `kinds` beside `current`.
 ///
 /// A model that misses a machine by many times the noise of its encoder is not judged by the few segments that happen to come near
-/// that noise: the floor of the logarithm is a share of what the best effect leaves, or of `reached`.
-pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], reached: f64, rotary: bool) -> Option<Round> {
+/// that noise: the floor of the logarithm is a share of what the best effect leaves, or the `incumbent`, in whose place they are tried.
+pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], incumbent: Option<&Fit>, rotary: bool) -> Option<Round> {
     let screen = Screen::of_all_widths(data, &current.candidate)?;
     let softened = data.softened(PART_FLOOR * median(current.mse.clone()));
     let halving = Halving::new(&softened, current, rotary);
@@ -81,16 +81,18 @@ pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], reached: f64, rota
         first.iter().enumerate().filter_map(|(i, t)| Some((i, own(t.fit.as_ref().ok()?)))).collect();
     gains.sort_by(|a, b| b.1.total_cmp(&a.1));
     let best = gains.first().map_or(0.0, |g| g.1);
+    // What gains little beside the incumbent is neither tied with it nor better.
+    let contested = incumbent.map_or(f64::NEG_INFINITY, |fit| RIVAL * halving.gain_of(fit));
     let left = gains.first().and_then(|g| first[g.0].fit.as_ref().ok()).map_or(0.0, |fit| median(fit.mse.clone()));
-    let data = data.softened(FINAL_FLOOR * left.min(reached));
+    let reached = incumbent.map(|fit| median(fit.mse.clone()));
+    let data = data.softened(FINAL_FLOOR * left.min(reached.unwrap_or(f64::INFINITY)));
     let without = Model::of(current)
         .fit(&data.problem(), Some(&current.initial), FINAL_ITERATIONS)
         .unwrap_or_else(|_| current.clone());
     let goes_on = |rank: usize, kind: Kind, gain: f64| {
         // Before it are those that gain more, its own special case perhaps.
         let idle = kind.remembers() && gains[..rank].iter().any(|(i, _)| kind.generalises(first[*i].kind));
-        let costly = kind.remembers() && gain < COSTLY * best;
-        (rank < FINALISTS || gain > CLOSE * best) && !costly && !idle
+        (rank < FINALISTS || gain > CLOSE * best) && gain > contested.max(RIVAL * best) && !idle
     };
     let finalists: Vec<usize> = gains
         .iter()
@@ -110,7 +112,7 @@ pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], reached: f64, rota
         Tried { kind, fit }
     });
     let mut tried: Vec<Tried> = finished.collect();
-    refine(&data, &without, &mut tried, rotary);
+    refine(&data, &without, incumbent, &mut tried, rotary);
     tried.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     Some(Round { data, without, tried })
 }
@@ -155,9 +157,10 @@ fn over_part(
 
 /// Refines what is competitive. More parameters than a law that does as well and is at the noise can only fit that; but what it may
 /// be confused with is to be shown as well as it can be.
-fn refine(data: &Data, without: &Fit, tried: &mut [Tried], rotary: bool) {
+fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Tried], rotary: bool) {
     // Where nothing gains, no share is positive, and nothing is worth more work.
-    let best = tried.iter().map(Tried::cost).fold(without.cost, f64::min);
+    let own = incumbent.map(|fit| data.problem().cost_of(&fit.mse));
+    let best = tried.iter().map(Tried::cost).chain(own).fold(without.cost, f64::min);
     let share = |fit: &Fit| (without.cost - fit.cost) / (without.cost - best);
     let fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));
     let enough = fits.filter(|(_, fit)| fit.cost < best + NAMING.lambda && mean_log(&fit.mse, data.sigma) < LEFT);

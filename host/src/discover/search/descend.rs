@@ -18,6 +18,8 @@ const FINE_ITERATIONS: usize = 3;
 /// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
 const RESTARTS: usize = 2;
 const WORTH_A_RESTART: f64 = 20.0;
+/// The same as a share of what the fit leaves above the noise: an effect that is missing takes that, not another restart.
+const OF_WHAT_IS_LEFT: f64 = 0.01;
 
 /// Whether the effects take many sub-steps of a sample: most of the way is gone with half of them.
 pub(super) fn is_slow(effects: &[Effect<f64>]) -> bool {
@@ -75,6 +77,13 @@ fn levelled(
     model.fit(&softened.problem(), initial, iterations)
 }
 
+/// Nats by which a fit stays above the noise's own.
+fn above_the_noise(data: &Data, fit: &Fit) -> f64 {
+    let noise = vec![data.sigma * data.sigma; fit.mse.len()];
+    let problem = data.problem();
+    problem.cost_of(&fit.mse) - problem.cost_of(&noise)
+}
+
 /// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is
 /// the model's, and a further effect is not named for finishing the fit.
 pub(super) fn converged(data: &Data, fit: &Fit) -> Fit {
@@ -94,7 +103,7 @@ pub(super) fn converged(data: &Data, fit: &Fit) -> Fit {
         if gain > 0.0 {
             best = again;
         }
-        if gain < WORTH_A_RESTART {
+        if gain < WORTH_A_RESTART.max(OF_WHAT_IS_LEFT * above_the_noise(data, &best)) {
             break;
         }
     }

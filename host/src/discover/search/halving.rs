@@ -38,6 +38,8 @@ pub(super) struct Halving<'a> {
     data: &'a Data,
     model: Model,
     pub current: Fit,
+    /// Of all segments the part's, by index.
+    indices: Vec<usize>,
     part: Vec<Segment>,
     few: Vec<Segment>,
     few_initial: Vec<Start>,
@@ -62,7 +64,13 @@ impl<'a> Halving<'a> {
         few.extend(worst.into_iter().filter(|i| i % even != 0).take(FEW - few.len().min(FEW)));
         let few_initial = few.iter().map(|i| current.initial[*i]).collect();
         let few = few.into_iter().map(|i| segments[i]).collect();
-        Self { data, model, current, part: segments, few, few_initial, rotary }
+        Self { data, model, current, indices: part, part: segments, few, few_initial, rotary }
+    }
+
+    /// What a fit to all segments gains over the part, nats.
+    pub(super) fn gain_of(&self, fit: &Fit) -> f64 {
+        let mse: Vec<f64> = self.indices.iter().map(|i| fit.mse[*i]).collect();
+        self.current.cost - self.data.over(&self.part).cost_of(&mse)
     }
 
     /// The best start of an effect, fitted over the part, or why there is none.
@@ -91,9 +99,14 @@ impl<'a> Halving<'a> {
     /// Fits go on over the part.
     fn over(&self, part: &Problem<'_>, fits: &[Fit], iterations: usize) -> Vec<Fit> {
         let fits = fits.par_iter().with_max_len(1).filter_map(|fit| {
-            let initial = if fit.initial.len() == self.part.len() { &fit.initial } else { &self.current.initial };
-            let model = self.model.with(*fit.candidate.effects.last()?).at(&fit.candidate);
-            model.fit(part, Some(initial), iterations).ok()
+            let new = *fit.candidate.effects.last()?;
+            let initial = match fit.initial.len() == self.part.len() {
+                true => Some(&fit.initial[..]),
+                // Among impacts the measured motion is the better start.
+                false if new.kind.gap().is_some() => None,
+                false => Some(&self.current.initial[..]),
+            };
+            self.model.with(new).at(&fit.candidate).fit(part, initial, iterations).ok()
         });
         fits.collect()
     }
@@ -118,17 +131,20 @@ impl<'a> Halving<'a> {
         if fits.is_empty() { Err(reason) } else { Ok(fits) }
     }
 
-    /// The first rung of a second body, whose start is free in every segment: few would not tell. Two steps at a frequency give its
-    /// mass, with which two more are drawn to the right one. Among impacts the measured motion is the better start, and two
-    /// steps tell nothing.
+    /// The first rung of a second body, whose start is free in every segment: few would not tell, and half of the part does. Two
+    /// steps at a frequency give its mass, with which two more are drawn to the right one. Among impacts two steps tell nothing.
     fn bodies(&self, part: &Problem<'_>, kind: Kind, starts: Vec<Point>) -> Vec<Fit> {
+        let step = if self.part.len() < 2 * LEAST_PART { 1 } else { 2 };
+        let segments: Vec<Segment> = self.part.iter().copied().step_by(step).collect();
+        let initial: Vec<Start> = self.current.initial.iter().copied().step_by(step).collect();
+        let half = Problem { segments: &segments, ..*part };
         let fits = starts.into_par_iter().with_max_len(1).filter_map(|start| {
             let model = self.beside(&start);
             if kind.gap().is_some() {
-                return model.fit(part, None, LAST).ok();
+                return model.fit(&half, None, LAST).ok();
             }
-            let held = model.at_its_frequency().fit(part, Some(&self.current.initial), ITERATIONS).ok()?;
-            model.at(&held.candidate).fit(part, Some(&held.initial), ITERATIONS).ok()
+            let held = model.at_its_frequency().fit(&half, Some(&initial), ITERATIONS).ok()?;
+            model.at(&held.candidate).fit(&half, Some(&held.initial), ITERATIONS).ok()
         });
         fits.collect()
     }

@@ -128,7 +128,8 @@ impl<'a> Search<'a> {
     fn begun(&self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
         progress("fitting the simulated motion");
         let problem = self.data.problem();
-        let fit = descend::converged(self.data, &model.fit(&problem, None, ITERATIONS).ok()?);
+        let fit = model.fit(&problem, None, ITERATIONS).ok()?;
+        let fit = descend::converged(self.data, &fit);
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
         let fit = refine::refined(self.data, fit, false, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
@@ -139,7 +140,7 @@ impl<'a> Search<'a> {
     /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
     /// held-out data may be right, so that both stay in the beam.
     fn children(&mut self, parent: &Node) -> Vec<Node> {
-        let Some(round) = add(self.data, &parent.fit, self.kinds, f64::INFINITY, self.rotary).map(Arc::new) else {
+        let Some(round) = add(self.data, &parent.fit, self.kinds, None, self.rotary).map(Arc::new) else {
             return Vec::new();
         };
         if parent.added() == 0 {
