@@ -84,8 +84,9 @@ pub struct Ruling {
     pub remainder: Remainder,
 }
 
-/// Share of the drive that may be left, at random, where nothing is missing, and least ρ² that tells it.
-const NOTHING: f64 = 0.05;
+/// Share of the drive that may be left, at random, where nothing is missing: a random torque of 1 % of the supply, where the drive's
+/// rms is a tenth of it. And least ρ² that tells it.
+const NOTHING: f64 = 0.1;
 const COHERENT: f64 = 0.3;
 /// Force that is left over what the sensor's noise makes of it, up to which that noise may be all.
 const AT_THE_NOISE: f64 = 2.0;
