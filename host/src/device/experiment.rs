@@ -373,8 +373,8 @@ fn trajectory(reference: experiment::Reference) -> Trajectory {
     }
 }
 
-/// Filter of ė for a loop with these gains, s: an eighth of 1/ωc, as `tune` has it, where the zero kp/kd is at ωc/2; at least two
-/// ticks, because a count is no position.
+/// Filter of ė for a loop with these gains, s. It is an eighth of 1/ωc, as in `tune`, and the zero kp/kd is at ωc/2.
+/// It is at least two ticks, because a count is coarse.
 fn filter_s(kp: f64, kd: f64, tick_s: f64) -> f64 {
     let eighth = if kp > 0.0 { kd / (16.0 * kp) } else { 0.0 };
     eighth.max(2.0 * tick_s)

@@ -167,8 +167,8 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identification,
     Ok((identified, Prepared { tracks, windows, both }))
 }
 
-/// Work of the drive on the motion, drive units times position units: friction takes it up, so it is positive, unless drive or
-/// position has the wrong sign.
+/// Work of the drive on the motion, drive units times position units. Friction absorbs it, so it is positive, unless
+/// drive or position has the wrong sign.
 fn work(tracks: &[Track]) -> f64 {
     let of = |track: &Track| {
         let pieces = track.pieces.windows(2).flat_map(|piece| piece[0] + 1..piece[1]);

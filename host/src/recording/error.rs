@@ -76,8 +76,8 @@ pub enum RecordingError {
     },
     /// A row that does not end.
     #[error(
-        "{file}:{line}: no end of the row within {} KiB, the most that is read of one; a recording has one row per sample, and \
-         a quote must be closed", MAX_ROW_BYTES >> 10
+        "{file}:{line}: no end of the row within {} KiB, the longest row that is read. A recording has one row per \
+         sample, and a quote must be closed", MAX_ROW_BYTES >> 10
     )]
     LongRow {
         /// The file's name as it was given.
@@ -226,8 +226,8 @@ pub enum RecordingError {
     },
     /// The position rolls over, and nobody said that it does.
     #[error(
-        "{place}: the position goes from {before} to {after} within one row, against the motion around it{}; the encoder seems \
-         to roll over: give --wrap {modulus} to join the turns, or --wrap none if the axis did jump",
+        "{place}: the position goes from {before} to {after} within one row, against the motion around it{}. The \
+         encoder seems to roll over: give --wrap {modulus} to join the turns, or --wrap none if the axis did jump",
         if *times > 1 { format!(", and so {times} times") } else { String::new() }
     )]
     RollsOver {

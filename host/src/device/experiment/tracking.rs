@@ -58,8 +58,8 @@ fn error_rate(gains: &Gains) -> ErrorRate {
 
 /// The adaptive law of a design as a board takes it, for a reference that is at each tick what `points` are.
 ///
-/// A board is told how fast to adapt, in rad/s, and works out the gains from the model that is loaded and the reference
-/// it follows ([`Adaptation::normalised`]); these are the rates that give the design's gains.
+/// A board gets the rate of adaptation, in rad/s. It computes the gains from the loaded model and the reference
+/// ([`Adaptation::normalised`]); these are the rates that give the design's gains.
 pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
     let most =
         |of: fn(&Setpoint<f32>) -> f32| points.iter().map(|point| f64::from(of(point).abs())).fold(0.0, f64::max);
