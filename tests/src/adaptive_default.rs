@@ -16,7 +16,7 @@ const TICK_S: f64 = 1e-3;
 /// Encoder step, rad.
 const STEP: f64 = 1e-3;
 
-/// The law that `tune` writes for the papers' plant behind an encoder of 1 mrad, with δ as a multiple of what a count
+/// The law that `tune` writes for the papers' plant behind an encoder of 1 mrad. δ is a multiple of what a count
 /// makes of the filtered difference.
 ///
 /// # Panics

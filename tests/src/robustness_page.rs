@@ -106,8 +106,8 @@ Compensation does not help there, because at rest it must not move the axis. A s
     );
 }
 
-/// When a rise of f1 by 30 % after `change_s` was found, s; an infinite time where it was not, and a negative one for an
-/// alarm before it.
+/// When a rise of f1 by 30 % after `change_s` was found, s. It is infinite where it was not found, and negative for
+/// an alarm before it.
 fn found(trial: &Trial) -> f64 {
     trial.run().alarms.first().map_or(f64::INFINITY, |(t, _)| t - trial.change_s)
 }

@@ -76,8 +76,8 @@ impl<R: Fast> Controller<R> {
         self.tick_from(state, reference, x, R::ZERO)
     }
 
-    /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero being 0:
-    /// an error keeps its digits far from there, and effects of the position stay where they are.
+    /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero
+    /// being 0. So an error keeps its digits far from there, and effects of the position stay where they are.
     #[inline]
     pub fn tick_from(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R, origin: R) -> Command<R> {
         let placed = Setpoint { x: reference.x + origin, ..reference };

@@ -189,8 +189,9 @@ pub enum Trajectory {
         /// > 0.
         duration_s: f32,
     },
-    /// Trapezoid of velocity, or with jerk phases an S-curve, there and back with a rest at both ends
-    /// ([`Profile`](crate::control::Profile)): 4·jerk + 2·acceleration + cruise below 2³⁰, and jerk or acceleration above 0.
+    /// Trapezoid of velocity, or with jerk phases an S-curve. It goes there and back with a rest at both ends
+    /// ([`Profile`](crate::control::Profile)): 4·jerk + 2·acceleration + cruise below 2³⁰, and jerk or acceleration
+    /// above 0.
     Profile {
         /// Size, finite.
         distance: f32,

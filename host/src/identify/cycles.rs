@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, describing_function};
 use breakaway_core::estimate::modulating::{Block, Modulating, Refusal, estimate};
 
-use super::estimate::{ModelEstimate, Value};
+use super::estimate::{ModelEstimate, Remark, Value};
 use crate::fit::{Track, median};
 use crate::recording::{Recording, Signal};
 use crate::sine;
@@ -26,7 +26,7 @@ pub struct CycleEstimates {
     /// `modulating` and `describing_function`, where they apply.
     pub estimates: Vec<ModelEstimate>,
     /// Refusals, with the experiment that would help.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 /// An evenly sampled recording under a relay.
@@ -50,12 +50,15 @@ pub fn estimates(recordings: &[Recording], tracks: &[Track]) -> CycleEstimates {
     }
     match modulating(&relays) {
         Ok(estimate) => found.estimates.push(estimate),
-        Err(refusal) => found.remarks.push(format!("modulating: {}", refusal.advice())),
+        Err(refusal) => found.remarks.push(Remark::Refused { estimator: "modulating", advice: refusal.advice() }),
     }
     let cycles: Vec<CycleFit<f64>> = relays.iter().filter_map(Relay::cycle).collect();
     match describing(&cycles) {
         Ok(estimate) => found.estimates.push(estimate),
-        Err(error) => found.remarks.push(format!("describing_function: {}", advice(error, cycles.len()))),
+        Err(error) => {
+            let advice = advice(error, cycles.len());
+            found.remarks.push(Remark::Refused { estimator: "describing_function", advice });
+        }
     }
     found
 }

@@ -108,8 +108,8 @@ proptest! {
         }
     }
 
-    /// f32 and Q32 against f64 over 50 ticks of the same signals: u is of size 10 and its rounding 1e-6 of that;
-    /// Q32 rounds kb·Ts = 7e-8 by up to 1.2e-10, which 50 ticks of u_c·s_Δ up to 2500 and u_c up to 500 make 8e-3.
+    /// f32 and Q32 against f64 over 50 ticks of the same signals: u is of size 10 and its rounding 1e-6 of that. Q32
+    /// rounds kb·Ts = 7e-8 by up to 1.2e-10, which 50 ticks of u_c·s_Δ up to 2500 and u_c up to 500 make 8e-3.
     #[test]
     fn scalars_agree(signals in prop::collection::vec((-0.1..0.1_f64, -5.0..5.0_f64, -5.0..5.0_f64), 50)) {
         let adaptation = adaptation();
@@ -154,8 +154,9 @@ fn two_ticks() -> Gains {
     Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() }
 }
 
-/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding, whose mean
-/// drives b̂ up: for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms in the first and the last minute.
+/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding,
+/// whose mean drives b̂ up. The test runs for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms
+/// in the first and the last minute.
 fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
     const STEP: f64 = 1e-3;
     const MINUTE: u32 = 60_000;

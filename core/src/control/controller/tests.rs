@@ -107,8 +107,8 @@ fn the_limit_holds() {
     assert_eq!(state.pid.integral, back);
 }
 
-/// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three counts: with the
-/// integral frozen it was 18 % of a step of 2 rad at 3 V and 20 Hz.
+/// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three
+/// counts. With the integral frozen it was 18 % of a step of 2 rad at 3 V and 20 Hz.
 #[test]
 fn a_step_that_saturates_does_not_overshoot() {
     const STEP: f64 = 1e-3;

@@ -36,8 +36,8 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
     last
 }
 
-/// The same loop in f64, f32 and Q32: positions within a few encoder steps (a rounding at a step's edge may fall either
-/// way, and differs by a step's worth of derivative from there on), which is 20 times below what the loop's error is.
+/// The same loop in f64, f32 and Q32 gives positions within a few encoder steps. A rounding at a step's edge may fall
+/// either way, and differs by a step's worth of derivative from there on. That is 20 times below the loop's error.
 #[test]
 fn scalars_agree() {
     let exact = run::<f64>(1e-3, 3000);

@@ -250,8 +250,8 @@ fn a_folded_force_lies_on_its_law() {
     let base = sample.ladder[0].base;
     sample.effects.remove(0);
     sample.model = Candidate { base, effects: vec![cogging] };
-    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of these:
-    // three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
+    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of
+    // these. Three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
     for (duration_s, bins, largest_se) in [(20.0, 24, 0.02), (1.2, 12, 0.06)] {
         let experiment = Experiment {
             name: "sine".into(),
