@@ -138,7 +138,7 @@ impl Loop {
                 if self.freeze && u != wanted {
                     law.cut(&mut state, u - wanted);
                 } else {
-                    law.learn(&mut state);
+                    law.update(&mut state);
                 }
                 plant.advance(u, self.tick_s);
                 Moment { t, reference: reference.x, error, u, estimates: state.estimates }

@@ -17,6 +17,7 @@ mod report;
 mod run;
 mod setup;
 mod soak;
+mod words;
 
 use std::process::ExitCode;
 

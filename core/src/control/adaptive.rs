@@ -171,7 +171,7 @@ impl<R: Fast> Adaptive<R> {
     }
 
     /// The drive for position `x`, with ė from e by observer and filter, and v = ẋ_d − ė; `direction` is the sign of the
-    /// reference's velocity. [`Self::learn`] must follow.
+    /// reference's velocity. [`Self::update`] must follow.
     #[inline]
     pub fn drive(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, x: R, direction: R) -> R {
         let error = reference.x - x;
@@ -179,7 +179,7 @@ impl<R: Fast> Adaptive<R> {
         self.drive_ideal(state, reference, Ideal { error, error_rate: rate * self.per_tick, direction })
     }
 
-    /// The drive from given signals. [`Self::learn`] must follow.
+    /// The drive from given signals. [`Self::update`] must follow.
     #[inline]
     pub fn drive_ideal(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, signals: Ideal<R>) -> R {
         let Ideal { error: e, error_rate, direction } = signals;
@@ -205,7 +205,7 @@ impl<R: Fast> Adaptive<R> {
 
     /// Ends a tick whose drive was applied as it is: the integral goes on and the parameters adapt.
     #[inline]
-    pub fn learn(&self, state: &mut AdaptiveState<R>) {
+    pub fn update(&self, state: &mut AdaptiveState<R>) {
         let Regressors { integral, s_delta, v, u_c, direction } = state.now;
         state.integral = integral;
         if s_delta == R::ZERO && self.sigma == R::ZERO {

@@ -33,7 +33,7 @@ mod tuning;
 
 pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal, least_delta};
 pub use compensator::{Compensator, CompensatorError, Feed, lead_s};
-pub use controller::{Command, ControlLaw, Controller, ControllerState};
+pub use controller::{ControlLaw, Controller, ControllerState, LimitedDrive};
 pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};
 pub use fast::Fast;
 pub use margins::{Margins, margins};

@@ -79,7 +79,7 @@ impl<R: Fast> Pid<R> {
         self.limit
     }
 
-    /// The drive for position `x`; [`Self::learn`] must follow, once it is known what of the drive was cut off.
+    /// The drive for position `x`; [`Self::update`] must follow, once it is known what of the drive was cut off.
     #[inline]
     pub fn drive(&self, state: &mut PidState<R>, reference: Setpoint<R>, x: R) -> R {
         let e = reference.x - x;
@@ -91,7 +91,7 @@ impl<R: Fast> Pid<R> {
 
     /// Ends a tick whose drive was applied as it is: the integral goes on.
     #[inline]
-    pub fn learn(&self, state: &mut PidState<R>) {
+    pub fn update(&self, state: &mut PidState<R>) {
         state.integral = state.pending;
     }
 

@@ -5,7 +5,7 @@ use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
-use breakaway_firmware::app::{Channels, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic};
+use breakaway_firmware::app::{Channels, Guards, PositionController, RunOrder, Tick, TickSettings, remember_panic};
 use breakaway_firmware::board::Trip;
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
@@ -359,7 +359,7 @@ fn a_watchdog_and_a_panic_are_told_after_the_reset() {
 /// A controller that is no longer finite says so by `None`, from its third tick on here.
 struct Lost(u32);
 
-impl Controller for Lost {
+impl PositionController for Lost {
     type Plan = ();
     fn start(&mut self, (): &(), _: i32) {}
     fn tick(&mut self, _: i32) -> Option<(i32, i32)> {

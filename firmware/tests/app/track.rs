@@ -2,8 +2,8 @@
 
 use breakaway_core::control::{Compensator, Fast, Profile, Sine, lead_s, tune};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, CommandError, Controller, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field, Mode,
-    Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
+    Adaptive, Bounds, Command, CommandError, ControllerGains, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field,
+    Mode, Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
 use breakaway_core::scalar::Q32;
@@ -21,16 +21,16 @@ pub fn model() -> Model {
 const TWO_TICKS: ErrorRate = ErrorRate { filter_s: 2e-3, observer_rad_s: 0.0 };
 
 /// A PID for 8 Hz of bandwidth.
-pub fn pid() -> Controller {
+pub fn pid() -> ControllerGains {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     let kd = gains.b * gains.kv;
     let (kp, ki, kd) = ((kd * gains.lambda2) as f32, (kd * gains.lambda1) as f32, kd as f32);
-    Controller::Pid(Pid { kp, ki, kd, error_rate: TWO_TICKS })
+    ControllerGains::Pid(Pid { kp, ki, kd, error_rate: TWO_TICKS })
 }
 
-pub fn adaptive() -> Controller {
+pub fn adaptive() -> ControllerGains {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
-    Controller::Adaptive(Adaptive {
+    ControllerGains::Adaptive(Adaptive {
         kv: gains.kv as f32,
         lambda1: gains.lambda1 as f32,
         lambda2: gains.lambda2 as f32,
@@ -40,7 +40,7 @@ pub fn adaptive() -> Controller {
     })
 }
 
-pub fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
+pub fn track(trajectory: Trajectory, controller: ControllerGains, compensation: bool) -> Command {
     let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
     Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
 }
@@ -159,14 +159,14 @@ fn holds_and_moves<R: Fast>() {
 #[test]
 fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     let mut bench = Bench::new();
-    let wild = Controller::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0, error_rate: TWO_TICKS });
+    let wild = ControllerGains::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0, error_rate: TWO_TICKS });
     let refused = |field| Reply::Error(CommandError::Range(field));
     assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
     // Half of what a count of 1 mrad makes in a filter of 2 ticks of 1 ms is 0.167 rad/s.
-    let Controller::Adaptive(law) = adaptive() else { panic!() };
-    let with = |delta| track(SINE, Controller::Adaptive(Adaptive { delta, ..law }), false);
+    let ControllerGains::Adaptive(law) = adaptive() else { panic!() };
+    let with = |delta| track(SINE, ControllerGains::Adaptive(Adaptive { delta, ..law }), false);
     assert_eq!(bench.command(with(0.16)), refused(Field::Delta));
     assert_eq!(bench.command(with(0.167)), Reply::Done);
     assert_eq!(bench.command(Command::Stop), Reply::Done);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, ErrorRate, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid,
+    Bounds, Command, ControllerGains, Ended, Ending, ErrorRate, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid,
     Reference, Relay, Reply, Settings, Track, Trajectory,
 };
 
@@ -333,7 +333,7 @@ pub fn commands(experiment: &Experiment, scale: &Scale) -> Result<Vec<Command>, 
         }),
         Excitation::Track { kp, kd, reference } => Command::StartTrack(Track {
             trajectory: trajectory(reference),
-            controller: Controller::Pid(Pid {
+            controller: ControllerGains::Pid(Pid {
                 kp: kp as f32,
                 ki: 0.0,
                 kd: kd as f32,

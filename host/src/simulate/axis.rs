@@ -34,7 +34,7 @@ enum Motion {
 const REFINEMENT: usize = 4;
 
 /// The controller of an experiment.
-enum Controller {
+enum ExperimentController {
     Relay(DualRelay<f64>, DualRelayState, f64),
     OpenLoop(Box<dyn Fn(f64) -> f64>, f64),
     Tracking { kp: f64, kd: f64, last: Option<f64> },
@@ -79,7 +79,7 @@ impl Axis {
     /// Ranges of the experiment; a simulation that diverges.
     pub fn run(&mut self, experiment: &Experiment) -> Result<Run, SimulateError> {
         experiment.check()?;
-        let mut controller = Controller::new(experiment)?;
+        let mut controller = ExperimentController::new(experiment)?;
         let reference = experiment.excitation.reference();
         let tick_s = experiment.tick_s;
         self.run_with(experiment, |k, reading| {
@@ -174,7 +174,7 @@ pub fn relay_resolution(hysteresis: Option<f64>, sensor: Sensor) -> (f64, u32) {
     (count, counts)
 }
 
-impl Controller {
+impl ExperimentController {
     fn new(experiment: &Experiment) -> Result<Self, SimulateError> {
         Ok(match experiment.excitation {
             Excitation::Relay { h1, h2, hysteresis, .. } => {

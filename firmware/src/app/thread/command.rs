@@ -16,7 +16,7 @@ use crate::storage::Store;
 
 impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
     #[inline(never)]
-    pub(super) fn obey(&mut self, request: Request) {
+    pub(super) fn answer_request(&mut self, request: Request) {
         let Request { id, command } = request;
         if let Err(error) = command.validate().and_then(|()| self.decide(id, command)) {
             self.outbox.reply(id, Reply::Error(error));

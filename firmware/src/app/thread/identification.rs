@@ -10,7 +10,8 @@ use breakaway_core::estimate::limit_cycle::{DetectorSettings, DetectorState, Lim
 use breakaway_core::estimate::modulating::{Block, Modulating, ModulatingState, estimate_base};
 use breakaway_core::estimate::sine::SineFit;
 use breakaway_core::link::{
-    CommandError, Ending, Estimate, FULL_SCALE_CODE, Identified, Mode, Relay, Sample, Settings, Sine, Verdict,
+    CommandError, Ending, Estimate, FULL_SCALE_CODE, IdentificationVerdict, Identified, Mode, Relay, Sample, Settings,
+    Sine,
 };
 use heapless::Vec;
 
@@ -193,7 +194,7 @@ impl Identification {
             return Err(CommandError::NothingRecorded);
         }
         let mut identified = Identified {
-            verdict: Verdict::Gaps,
+            verdict: IdentificationVerdict::Gaps,
             b: Estimate::default(),
             c: Estimate::default(),
             f1: Estimate::default(),
@@ -210,7 +211,7 @@ impl Identification {
         match estimate_base(&experiments) {
             Ok(found) => {
                 let [b, c, f1, _] = found.standard_errors;
-                identified.verdict = Verdict::Determined;
+                identified.verdict = IdentificationVerdict::Determined;
                 identified.b = Estimate { value: found.b, se: b };
                 identified.c = Estimate { value: found.c, se: c };
                 identified.f1 = Estimate { value: found.f1, se: f1 };
@@ -218,7 +219,7 @@ impl Identification {
                 identified.condition = found.condition;
                 identified.windows = found.windows;
             }
-            Err(refusal) => identified.verdict = Verdict::from(refusal),
+            Err(refusal) => identified.verdict = IdentificationVerdict::from(refusal),
         }
         Ok(identified)
     }

@@ -5,17 +5,17 @@ use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultCause, Mode
 use super::Tick;
 use crate::app::accumulate::Accumulation;
 use crate::app::channels::Order;
-use crate::app::control::Controller;
+use crate::app::control::PositionController;
 use crate::app::excite::{Excitation, Exciter};
 use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
 use crate::board::{Applied, Board, Drive, Retained, travel};
 
-impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
+impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
     #[inline(always)]
-    pub(super) fn obey(&mut self, count: i32) {
+    pub(super) fn take_order(&mut self, count: i32) {
         if self.channels.orders.ready() {
             self.carry_out(count);
         } else if self.channels.runs.ready() {
