@@ -1,7 +1,8 @@
 //! Settings and model in flash: with CRC and version, and never a silent guess.
 //!
-//! The store is our own: two pages that take turns. With `sequential-storage` and the HAL's flash driver the NUCLEO's image was 8.6 KB
-//! larger: that is for items that are many and change often; here is one record, which changes when somebody asks for it.
+//! The store is our own: two pages that take turns. With `sequential-storage` and the HAL's flash driver the NUCLEO's
+//! image was 8.6 KB larger. That driver is for many items that change often. Here is one record, which changes on
+//! command.
 
 mod flash;
 

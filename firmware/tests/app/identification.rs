@@ -38,8 +38,8 @@ fn the_board_finds_the_plant_by_itself() {
     }
 }
 
-/// The same estimator, run by the host over the samples that came down the link: it sums them in f32 as the board does and
-/// solves in f64, where the board solves in f32.
+/// The same estimator, run by the host over the samples that came down the link. It sums them in f32 as the board
+/// does and solves in f64, where the board solves in f32.
 #[test]
 fn host_and_board_agree_on_the_same_samples() {
     let mut bench = Bench::new();

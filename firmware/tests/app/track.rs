@@ -78,8 +78,8 @@ fn compensates<R: Fast>() {
     assert!(with < 0.3 * without, "with compensation {with}, without {without}");
 }
 
-/// Cogging stays where it is when a run begins elsewhere: 1.3 rad on, compensation counted from the start would be off
-/// by 1.3·7 rad = 1.45 turns, and almost double it.
+/// Cogging stays where it is when a run begins elsewhere. 1.3 rad on, compensation counted from the start would be
+/// off by 1.3·7 rad = 1.45 turns, and almost double it.
 #[test]
 fn cogging_is_compensated_where_the_axis_is() {
     let effect = Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5]);
@@ -103,9 +103,9 @@ fn cogging_is_compensated_where_the_axis_is() {
     assert!(elsewhere < 1.5 * at_zero && elsewhere < 0.5 * without, "{errors:?}");
 }
 
-/// The drive of a reading acts half a tick later on average, and is the model's there, by the host's own compensator: at
-/// 2π rad/s half a millisecond is 36° of a cogging of 200 per radian. At the first tick there is no error yet: all of the drive is
-/// feed-forward.
+/// The drive of a reading acts half a tick later on average, and is the model's there, by the host's own compensator.
+/// At 2π rad/s half a millisecond is 36° of a cogging of 200 per radian. At the first tick there is no error yet: all
+/// of the drive is feed-forward.
 #[test]
 fn the_board_looks_as_far_ahead_as_the_host() {
     let effect = Effect::new(Kind::Cogging, &[0.2, 200.0, 0.0]);
@@ -173,8 +173,8 @@ fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     assert_eq!(bench.status().mode, Mode::Idle);
 }
 
-/// An S-curve of 2 rad within 1.5 rad/s, 8 rad/s² and 100 rad/s³, there and back with rests of 0.2 s: the reference is that
-/// of the limits, to the count it is rounded to and one that f32 may tip over.
+/// An S-curve of 2 rad within 1.5 rad/s, 8 rad/s² and 100 rad/s³, there and back with rests of 0.2 s. The reference
+/// is that of the limits, to the count it is rounded to and one that f32 may tip over.
 #[test]
 fn an_s_curve_is_the_one_of_its_limits() {
     let limits = (2.0, 1.5, 8.0, 100.0, 1e-3);
@@ -224,9 +224,10 @@ fn no_controller_runs_on_a_reversed_encoder() {
     }
 }
 
-/// A step that the drive cannot follow, where the run's bound is a fifth of what the settings allow: the integral goes back by what the
-/// limit in force cuts off, and the step arrives without overshoot, as where the settings say so. (It overshot by 17 counts of 1000
-/// where the integral was frozen, and by 58 where it was frozen for the settings' limit alone.)
+/// A step that the drive cannot follow, with a run's bound of a fifth of the settings'. The integral goes back by
+/// what the limit in force cuts off. The step arrives without overshoot, as with a limit in the settings. (It
+/// overshot by 17 counts of 1000 where the integral was frozen, and by 58 where it was frozen for the settings' limit
+/// alone.)
 #[test]
 fn the_integral_goes_back_by_what_the_limit_cuts_off() {
     let overshoot = |settings_code: i16, bound: i16| {

@@ -134,7 +134,7 @@ pub enum RecordingError {
         column: String,
     },
     /// NaN, an infinity, or a number too large for f64.
-    #[error("{place}: `{text}` is not a finite number; remove the row (the reader then sees a gap) or repair it")]
+    #[error("{place}: `{text}` is not a finite number; remove the row, which leaves a gap, or repair it")]
     NotFinite {
         /// Where.
         place: Place,
@@ -156,14 +156,14 @@ pub enum RecordingError {
         place: Place,
     },
     /// An empty field.
-    #[error("{place}: the field is empty; remove the row (the reader then sees a gap) or repair it")]
+    #[error("{place}: the field is empty; remove the row, which leaves a gap, or repair it")]
     EmptyField {
         /// Where.
         place: Place,
     },
     /// A row with fewer fields than the header row.
     #[error(
-        "{place}: the field is missing: the row has {found} field(s), the header {expected}; remove the row (the reader then sees a gap) or repair it"
+        "{place}: the field is missing: the row has {found} field(s), the header {expected}; remove the row, which leaves a gap, or repair it"
     )]
     MissingField {
         /// Where.

@@ -4,6 +4,7 @@ pub mod axis;
 pub mod exact;
 pub mod experiment;
 pub mod limit_cycle;
+pub mod motion;
 pub mod suite;
 
 /// Why an experiment could not be simulated.

@@ -122,7 +122,7 @@ fn a_torn_last_row_is_left_out_and_an_open_quote_is_refused() {
     // A row that ends is not torn, and neither is one with rows after it.
     let wrong = |text: String| read(&text, &with_time("t_ms")).unwrap_err().to_string();
     assert_snapshot!(wrong(format!("{text}600,1.0,-\n")), @"a.csv:602: column `x`: `-` is not a number; numbers are written like -1.5e-3, with a point");
-    assert_snapshot!(wrong(with_line(&text, 300, "298,0.1")), @"a.csv:300: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row (the reader then sees a gap) or repair it");
+    assert_snapshot!(wrong(with_line(&text, 300, "298,0.1")), @"a.csv:300: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row, which leaves a gap, or repair it");
     assert_snapshot!(wrong(with_line(&text, 300, "298,\"0.1,0.2")), @"a.csv:300: column `u`: the field goes on past the end of its line; is a quote opened and not closed?");
 }
 

@@ -58,8 +58,8 @@ pub(in crate::app) struct Watch {
     mean_drive: u32,
     /// The count at the last motion: the axis moves when it leaves a window around it.
     anchor: i32,
-    /// Ticks since then with a drive at which it must move, in all and whichever way: a drive that changes its sign, or is weaker
-    /// for a while, is no motion.
+    /// Ticks since then with a drive at which it must move, in all and whichever way. A drive that changes its sign,
+    /// or is weaker for a while, is no motion.
     still_ticks: u32,
     silent_ticks: u32,
     direction: Direction,
@@ -150,8 +150,8 @@ impl Watch {
         GuardOutcome::Fine
     }
 
-    /// An axis that never moved may simply be stuck below break-away; one that did, or one under a drive at which it
-    /// must move, has lost its encoder.
+    /// An axis that never moved may simply be stuck below break-away. One that did move, or one under a drive at
+    /// which it must move, has lost its encoder.
     #[cold]
     fn frozen(&self, guards: &Guards) -> GuardOutcome {
         if let (Some(at), true) = (self.stop_at, self.moved) {

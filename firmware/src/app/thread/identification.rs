@@ -1,8 +1,8 @@
 //! On-board identification: from the samples of relay experiments to (b, c, f1) with standard errors.
 //!
 //! The first whole cycle tells the period T. From then on the weak form over windows of 2T sums in f32, here in the
-//! thread; once the period keeps, the tick sums the sine fit in integers. [`Identification::solve`] then takes a time that does not depend on
-//! the record.
+//! thread. Once the period is steady, the tick sums the sine fit in integers. [`Identification::solve`] then takes a
+//! time that does not depend on the record.
 
 mod cycle;
 
@@ -25,7 +25,7 @@ const LINE: usize = 128;
 const EXPERIMENTS: usize = 2;
 /// Half-width of the velocity's sign in periods (docs/theory.md, section 4: 0.01 to 0.02).
 const HALF_WIDTH: f32 = 0.01;
-/// Relative change from one period to the next below which the sine fit starts: at 100 cycles and 32 blocks it may be
+/// Relative change from one period to the next below which the sine fit starts. At 100 cycles and 32 blocks it may be
 /// wrong by 4 % (docs/theory.md, section 3: B ≥ 8·M·|ε|).
 const STEADY: f32 = 0.02;
 /// Relative change of period and amplitude still to come at which a cycle has settled.

@@ -36,10 +36,10 @@ impl TickSettings {
 /// The control loop's state.
 ///
 /// [`Tick::tick`] is called once per period from the timer's interrupt, above everything that may take long. Its
-/// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half a
-/// period late, does not feed the watchdog; as many of them in a row as the settings say latch
-/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is driven: a core
-/// that a debugger has halted does not go on driving.
+/// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half
+/// a period late, does not feed the watchdog. As many of them in a row as the settings say latch
+/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is
+/// driven. A core that a debugger has halted therefore does not go on driving.
 ///
 /// It never blocks, never allocates, and cannot panic; experiments use integers only.
 pub struct Tick<'q, 'a, B: Board, C: PositionController> {

@@ -23,18 +23,10 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         }
     }
 
-    fn idle(&self) -> Result<(), CommandError> {
-        match self.mode() {
-            Mode::Idle => Ok(()),
-            Mode::Fault => Err(CommandError::Faulted),
-            mode => Err(CommandError::Busy(mode)),
-        }
-    }
-
     #[cold]
     #[inline(never)]
     fn begin(&mut self, count: i32) {
-        let answer = self.idle().and_then(|()| self.start(count));
+        let answer = self.mode().idle().and_then(|()| self.start(count));
         let _ = self.channels.runs.dequeue();
         self.answer(answer);
     }
@@ -42,7 +34,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     #[cold]
     #[inline(never)]
     fn carry_out(&mut self, count: i32) {
-        let idle = self.idle();
+        let idle = self.mode().idle();
         let Some(order) = self.channels.orders.dequeue() else {
             return;
         };

@@ -53,7 +53,7 @@ fn missing(found: &Discovery) -> String {
         }
         (_, []) => match place(found) {
             Some(row) => format!(
-                "Something is missing that no effect of the catalogue explains. It lives along {}, which predicts {:.0} % of it.",
+                "Something is missing that no effect of the catalogue explains. The coordinate {} predicts {:.0} % of it.",
                 row.coordinate,
                 100.0 * row.r2
             ),

@@ -219,14 +219,14 @@ fn headline_and_tiles_have_one_horizon() {
 #[test]
 fn an_unknown_that_no_coordinate_predicts_says_so() {
     let mut sample = sample::unknown();
-    assert!(discovery::sentence::sentence(&sample).ends_with("It lives along position, which predicts 63 % of it."));
+    assert!(discovery::sentence::sentence(&sample).ends_with("The coordinate position predicts 63 % of it."));
     sample.where_map[0].r2 = 0.01;
     let html = html("unpredicted", &sample);
     let page = skeleton(&html);
     assert!(page.contains("No coordinate predicts it."), "{page}");
     assert!(page.contains("the best of them, position, predicts 1 %, which is no more than chance."), "{page}");
     assert!(page.contains("base model") && !page.contains("before: base model"), "{page}");
-    assert!(!page.contains("lives along") && !page.contains("Unexplained force over"), "{page}");
+    assert!(!page.contains("The coordinate position") && !page.contains("Unexplained force over"), "{page}");
 }
 
 /// Δ, z, λ and nats stand inside the fold-out alone.
