@@ -71,9 +71,12 @@ pub fn long(page: &str) -> Vec<Long> {
                 let words = text.split([' ', '–', '—', '/']).filter(|token| is_word(token)).count();
                 (words > MOST_WORDS).then(|| Long { line: paragraph.0, words, text: text.trim().to_owned() })
             }));
-            paragraph = (number + 1, String::new());
+            paragraph.1.clear();
         }
         if let Some(line) = prose {
+            if paragraph.1.is_empty() {
+                paragraph.0 = number + 1;
+            }
             let line = &line[marker(line).unwrap_or(0)..];
             paragraph.1.push_str(line.trim());
             paragraph.1.push(' ');

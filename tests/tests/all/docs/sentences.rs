@@ -28,7 +28,7 @@ fn help(command: &clap::Command, texts: &mut Vec<(String, String)>) {
     let options = command.get_arguments().flat_map(|option| [option.get_help(), option.get_long_help()]);
     for text in styled.into_iter().chain(options).flatten() {
         let paragraphs = text.to_string().replace("\nJSON", "\n\nJSON");
-        let prose = paragraphs.split("\n\n").filter(|paragraph| !paragraph.starts_with("JSON"));
+        let prose = paragraphs.split("\n\n").filter(|paragraph| !paragraph.trim_start().starts_with("JSON"));
         let lines = prose.flat_map(|paragraph| paragraph.lines().filter(|line| !line.starts_with("  ")).chain([""]));
         texts.push((command.get_name().to_owned(), lines.collect::<Vec<_>>().join("\n")));
     }
