@@ -197,7 +197,7 @@ fn in_words(found: &Discovery) -> String {
             rung.fit_rmse, rung.holdout_rmse, rung.holdout_open_loop_rmse
         );
     }
-    text.push_str("\nalong what the gap varies (share of the residual force explained, before and after):\n");
+    text.push_str("\nwhere the gap is (share of the residual force explained, before and after):\n");
     for row in found.where_map.iter().take(5) {
         let _ = writeln!(text, "  {:<26} {:>5.1} %  {:>5.1} %", row.coordinate, 100.0 * row.r2, 100.0 * row.r2_after);
     }

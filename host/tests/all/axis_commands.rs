@@ -88,7 +88,7 @@ fn a_relay_that_sticks_at_the_start_is_told_from_one_that_is_too_weak() {
     let file = experiment(folder.path(), "stuck", 2.0, "tick_s = 1e-4\n", relay, "encoder_step = 1e-3\nnoise = 5e-4\n");
     let ending = &json(folder.path(), &["run", &file, "-o", "out"])["recordings"][0]["ending"];
     assert_eq!(ending["kind"], "no_limit_cycle");
-    assert!(ending["reason"].as_str().unwrap().contains("make |h1 − h2| larger"), "{ending}");
+    assert!(ending["reason"].as_str().unwrap().contains("Make |h1 − h2| larger"), "{ending}");
 }
 
 #[test]

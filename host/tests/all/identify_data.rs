@@ -82,7 +82,7 @@ fn motion_in_one_direction_names_the_load() {
 fn a_constant_drive_determines_nothing() {
     let error = identify(&[driven(4_000, 1e-3, |_| 1.5)]).unwrap_err();
     assert!(matches!(error, IdentifyError::Undetermined { parameter: "b", .. }), "{error}");
-    assert!(error.to_string().contains("record a drive that changes"), "{error}");
+    assert!(error.to_string().contains("Record a drive that changes"), "{error}");
 }
 
 #[test]
