@@ -22,7 +22,7 @@ pub struct Loaded {
     /// Stored model, if there was one.
     pub model: Option<Model>,
     /// What was lost: [`FaultCause::SettingsLost`] (then there is no model either: its units are the settings') or
-    /// [`FaultCause::ModelLost`], with the version that was found, −1 where none could be read.
+    /// [`FaultCause::ModelLost`]. With it comes the version that was found, −1 where none could be read.
     pub lost: Option<(FaultCause, i32)>,
     /// The travel limits are saved ones, not the board's own: they count from a zero that is not known since the reset.
     pub zero_needed: bool,

@@ -2,7 +2,7 @@
 //!
 //! A page holds one record:
 //! `mark ‖ version ‖ length ‖ sequence ‖ settings and model (postcard) ‖ CRC-32 of all behind the mark`, numbers
-//! little endian. A save writes the whole record to the page that is not in force, reads it back, and only then
+//! little endian. A save writes the whole record to the page that is not in force, and reads it back. Only then it
 //! programs the other page's mark, which puts that out of force. The next save erases it. So
 //! - a power cut leaves the record from before, or the new one. Of two in force the one of the later sequence number
 //!   counts, and reading them marks the other;

@@ -12,9 +12,9 @@ const SEGMENT_S: f64 = 0.4;
 /// Longest sub-step of those runs, s.
 const STEP_S: f64 = 2.5e-4;
 
-/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder, beyond the random
-/// torque and the loss of the supply. It is b·Δv/Ts + c·Δx/Ts + friction − u − torque. In samples with a reversal or
-/// rest, friction is the value within ±f1 that explains most of it. The last sample has no end and is 0.
+/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder. The random torque
+/// and the loss of the supply are not part of it. It is b·Δv/Ts + c·Δx/Ts + friction − u − torque. In samples with a
+/// reversal or rest, friction is the value within ±f1 that explains most of it. The last sample has no end and is 0.
 pub fn gap_force(machine: &Machine, trace: &Trace) -> Vec<f64> {
     let base = machine.base;
     let mut gap: Vec<f64> = (1..trace.u.len())

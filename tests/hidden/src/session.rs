@@ -49,7 +49,7 @@ pub struct Session {
 }
 
 /// A blind case: the same case always gives the same bytes. The machine (base parameters, encoder) depends on the
-/// seed and the world alone, so cases of one seed and world differ only by the hidden effects.
+/// seed and the world alone. So cases of one seed and world differ only by the hidden effects.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Seed of everything random.

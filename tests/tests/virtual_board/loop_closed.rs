@@ -1,10 +1,10 @@
-//! The whole loop on the virtual board, for each effect that compensation should help. The effect has 0.3 V, between
-//! 6 % of the suite's strongest relay (4.75 V) and a quarter of its weakest sine (1.1 V), and half of the 0.57 V
-//! along the sine that is followed.
+//! The whole loop on the virtual board, for each effect that compensation should help. The effect has 0.3 V. That
+//! lies between 6 % of the suite's strongest relay (4.75 V) and a quarter of its weakest sine (1.1 V). It is half of
+//! the 0.57 V along the sine that is followed.
 //!
-//! The project's goals for the discovered model compensated: at most a half of the base model's error, a fifth of the
-//! PID's, and within 1.3 of a compensator with the true model. Where the truth itself does not reach the first two,
-//! only the last one holds. The test then asserts that the truth does not reach them.
+//! The project's goals for the discovered model compensated are three. Its error is at most a half of the base
+//! model's, a fifth of the PID's, and 1.3 times that with the true model. Where the truth itself does not reach the
+//! first two, only the last one holds. The test then asserts that the truth does not reach them.
 //!
 //! Each takes a minute. Two of them are run with all tests, the others by `cargo xtask loops`.
 

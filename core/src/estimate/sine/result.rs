@@ -49,7 +49,7 @@ pub struct Harmonic<R = f64> {
 /// Standard errors: the Cramér–Rao bound of this record at the estimated noise, σ² = RSS/(N − k).
 ///
 /// It is the full bound: the inverse Fisher information with all columns of the model. For records of many cycles it
-/// becomes the closed form of [`cramer_rao`]; at one cycle the offset and ω cost more than the closed form says.
+/// becomes the closed form of [`cramer_rao`]. At one cycle the offset and ω cost more than the closed form says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SineErrors<R = f64> {
     /// Of the amplitude.

@@ -142,8 +142,8 @@ fn closed_loops_follow_their_reference() {
             let session = case.generate();
             for (spec, record) in specs.iter().zip(&session.records) {
                 let Kind::Track { kp, course, .. } = &spec.kind else { panic!("{}: not tracked", spec.name) };
-                // From 2 s on. The rest is friction and drag over the gain, the way made in the latency, and a
-                // transient of about half of 1/ω at each corner of the reference.
+                // From 2 s on. The rest is friction and drag over the gain, and the way made in the latency. At each
+                // corner of the reference there is a transient of about half of 1/ω.
                 let at = |k: usize| course.at(1e-3 * k as f64);
                 let rms = |values: &dyn Fn(usize) -> f64| {
                     let all = 2000..record.x.len();

@@ -22,6 +22,15 @@ fn sentences_have_at_most_25_words() {
     assert!(long.is_empty(), "more than {MOST_WORDS} words:\n{}", long.join("\n"));
 }
 
+/// The README is read before anything is tried.
+#[test]
+fn the_readme_is_short() {
+    const MOST_LINES: usize = 110;
+    let pages = pages();
+    let readme = pages.iter().find(|(page, _)| page == "README.md").map(|(_, text)| text.lines().count());
+    assert!(readme.is_some_and(|lines| (60..=MOST_LINES).contains(&lines)), "{readme:?} lines");
+}
+
 /// The help texts of a command, of its options and of the commands below it. Examples and the keys of JSON are no prose.
 fn help(command: &clap::Command, texts: &mut Vec<(String, String)>) {
     let styled = [command.get_about(), command.get_long_about(), command.get_after_help()];

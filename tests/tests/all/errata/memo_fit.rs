@@ -87,9 +87,9 @@ fn erratum_07_the_cost_is_flat_far_above_the_tolerance() {
 }
 
 /// Erratum 8 (and row 2): `fmin` on 0.5..2 times the estimate needs one minimum. Ten cycles at 40 samples per cycle,
-/// noise-free, estimate 1.02 times the truth: J has a minimum for nearly every 1/T of the bracket (15 of them), and `fmin`
-/// ends in a wrong one for every phase; the grid of 1/(4T) with refinement finds ω to 1e-6 (row 2's number; it reaches
-/// rounding).
+/// noise-free, estimate 1.02 times the truth: J has a minimum for nearly every 1/T of the bracket (15 of them). Then
+/// `fmin` ends in a wrong one for every phase; the grid of 1/(4T) with refinement finds ω to 1e-6 (row 2's number; it
+/// reaches rounding).
 #[test]
 fn erratum_08_the_bracket_is_not_unimodal() {
     let omega = TAU;

@@ -36,10 +36,11 @@ fn erratum_11_the_listed_data_belong_to_the_codes_relays() {
     assert!(listed(4.0 / 5.5)[1].a > 2.7 * text.peak, "{text:?}");
 }
 
-/// Erratum 12: `T1 = 4/5.5` = .72727. By the listing's own last line, Tp/Kp = 4h11/(πa1ω1²), the printed Kp 9.1536 and
-/// Tp .2446 need T1 = .72326, ±.00008 for the last printed digits: the exact period .72319(5) fits, 4/5.5 does not, by 50 times
-/// the tolerance. With the listed periods the listing gives f1 .53874, f2 .04735, Kp 9.37103, Tp .2532 (row 7), and with
-/// T1 = .72319 f2 is still .0498, not the printed .01879: the printed run had other T2 and T3, too.
+/// Erratum 12: `T1 = 4/5.5` = .72727. By the listing's own last line, Tp/Kp = 4h11/(πa1ω1²), the printed Kp 9.1536
+/// and Tp .2446 need T1 = .72326, ±.00008 for the last printed digits. The exact period .72319(5) fits, 4/5.5 does
+/// not, by 50 times the tolerance. With the listed periods the listing gives f1 .53874, f2 .04735, Kp 9.37103, Tp
+/// .2532 (row 7), and with T1 = .72319 f2 is still .0498, not the printed .01879: the printed run had other T2 and
+/// T3, too.
 #[test]
 fn erratum_12_the_printed_result_needs_another_period() {
     let period = |tp: f64, kp: f64| TAU * (PI * 1.2627 * tp / kp / (4.0 * 2.0)).sqrt();
