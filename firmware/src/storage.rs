@@ -1,7 +1,8 @@
 //! Settings and model in flash: with CRC and version, and never a silent guess.
 //!
-//! The store is our own: two pages that take turns. With `sequential-storage` and the HAL's flash driver the NUCLEO's image was 8.6 KB
-//! larger: that is for items that are many and change often; here is one record, which changes when somebody asks for it.
+//! The store is our own: two pages that take turns. With `sequential-storage` and the HAL's flash driver the NUCLEO's
+//! image was 8.6 KB larger. That driver is for many items that change often. Here is one record, which changes on
+//! command.
 
 mod flash;
 
@@ -21,7 +22,7 @@ pub struct Loaded {
     /// Stored model, if there was one.
     pub model: Option<Model>,
     /// What was lost: [`FaultCause::SettingsLost`] (then there is no model either: its units are the settings') or
-    /// [`FaultCause::ModelLost`], with the version that was found, −1 where none could be read.
+    /// [`FaultCause::ModelLost`]. With it comes the version that was found, −1 where none could be read.
     pub lost: Option<(FaultCause, i32)>,
     /// The travel limits are saved ones, not the board's own: they count from a zero that is not known since the reset.
     pub zero_needed: bool,

@@ -1,7 +1,8 @@
 //! Prints how long a limit cycle and an identification take.
 //!
-//! The event-exact simulator against scipy's `solve_ivp` with events on the same limit cycle (asked: at least 50 times
-//! faster; needs `python3` with scipy), and `identify` on the EMPS recording (asked: under 0.5 s; needs the recordings).
+//! The event-exact simulator against scipy's `solve_ivp` with events on the same limit cycle (asked: at least 50
+//! times faster; needs `python3` with scipy). Also `identify` on the EMPS recording (asked: under 0.5 s; needs the
+//! recordings).
 
 use std::hint::black_box;
 use std::path::PathBuf;

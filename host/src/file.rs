@@ -16,8 +16,9 @@ pub use target::{Target, TargetError, apart, inside, may_write};
 
 /// Writes a file through `content`: beside its place first, then renamed into it.
 ///
-/// A reader of `path` sees the old file or the new one, never a part; if `content` fails, or Ctrl-C comes, the old file stays and nothing is left behind.
-/// A symbolic link is followed. What is not a regular file (a pipe, a terminal) is written directly.
+/// A reader of `path` sees the old file or the new one, never a part. If `content` fails, or Ctrl-C comes, the old
+/// file stays and nothing is left behind. A symbolic link is followed. What is not a regular file (a pipe, a
+/// terminal) is written directly.
 ///
 /// # Errors
 /// Whatever `content` or the file system reports; the target is then untouched.

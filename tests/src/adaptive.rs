@@ -77,9 +77,9 @@ impl Loop {
         }
     }
 
-    /// Section 6's motor in mm, s and V: Kp = 192.59 mm/s per V, Tp = 0.073454 s, f1 = 0.238 V; the paper's gains (40); 2 mm
-    /// at 1 Hz, as neither amplitude nor frequency is given. It starts with the plant's own parameters, and its k = 1e-2
-    /// are times the parameters' squares: as printed they let b̂ run away.
+    /// Section 6's motor in mm, s and V: Kp = 192.59 mm/s per V, Tp = 0.073454 s, f1 = 0.238 V; the paper's gains
+    /// (40). The motion is 2 mm at 1 Hz, as neither amplitude nor frequency is given. It starts with the plant's own
+    /// parameters, and its k = 1e-2 are times the parameters' squares: as printed they let b̂ run away.
     pub fn experiment() -> Self {
         let plant = Base { b: 0.073_454 / 192.59, c: 1.0 / 192.59, f1: 0.238 };
         Self {
@@ -138,7 +138,7 @@ impl Loop {
                 if self.freeze && u != wanted {
                     law.cut(&mut state, u - wanted);
                 } else {
-                    law.learn(&mut state);
+                    law.update(&mut state);
                 }
                 plant.advance(u, self.tick_s);
                 Moment { t, reference: reference.x, error, u, estimates: state.estimates }

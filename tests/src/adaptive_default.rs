@@ -16,7 +16,7 @@ const TICK_S: f64 = 1e-3;
 /// Encoder step, rad.
 const STEP: f64 = 1e-3;
 
-/// The law that `tune` writes for the papers' plant behind an encoder of 1 mrad, with δ as a multiple of what a count
+/// The law that `tune` writes for the papers' plant behind an encoder of 1 mrad. δ is a multiple of what a count
 /// makes of the filtered difference.
 ///
 /// # Panics
@@ -99,10 +99,9 @@ pub fn section() -> String {
         "
 ## What `breakaway tune` chooses
 
-δ decides whether anything is learnt: within it nothing adapts. A count of the encoder, Δ, makes a jump of Δ/(τ + Ts) in ė filtered over τ. With δ above that jump, friction that is
-off by a third stays within the band and nothing adapts at all; with δ far below it the law adapts to the rounding, which has no mean for f̂1 but has one for b̂ (−u_c·s_Δ contains Kv·s·s_Δ) and for ĉ (v·s_Δ contains −ė·s_Δ).
-`tune` takes **half the jump**, and lets b̂ adapt at a tenth of the rate of the others. The gains are in proportion to the parameters' squares along a motion in which inertia, damping and friction need as much drive each (speed f1/c, acceleration f1/b), unless
-`--speed` and `--acceleration` say better; `--adaptation-rate` is 5 rad/s by default. The papers' plant behind 1 mrad and one tick of delay, the law tuned at the default bandwidth, 1 rad at 0.25 Hz; errors rms in mrad (the rounding of the encoder alone is 0.29):
+δ decides whether the law adapts: within δ it does not. A count of the encoder, Δ, makes a jump of Δ/(τ + Ts) in ė filtered over τ. With δ above that jump, an error of f1 by a third stays within the band, and nothing adapts. With δ far below it, the law adapts to the rounding. The rounding has no mean for f̂1. It has one for b̂ (−u_c·s_Δ contains Kv·s·s_Δ) and for ĉ (v·s_Δ contains −ė·s_Δ).
+
+`tune` takes **half the jump**, and lets b̂ adapt at a tenth of the rate of the others. The gains are in proportion to the parameters' squares along a motion of speed f1/c and acceleration f1/b. In that motion inertia, damping and friction need the same drive each. `--speed` and `--acceleration` give another motion. `--adaptation-rate` is 5 rad/s by default. In the table the papers' plant follows 1 rad at 0.25 Hz, behind an encoder step of 1 mrad and one tick of delay. The law is tuned at the default bandwidth. Errors are rms in mrad; the rounding of the encoder alone is 0.29.
 
 | δ, jumps | rate, rad/s | f1 30 % up: 4–12 s | 1–2 min | 4–5 min | f̂1/f1 then | nothing wrong: last of 60 min | b̂/b | ĉ/c | f̂1/f1 |
 |---|---|---|---|---|---|---|---|---|---|
@@ -128,8 +127,7 @@ off by a third stays within the band and nothing adapts at all; with δ far belo
     }
     out.push_str(
         "
-Take it faster where friction changes within a minute and someone watches, slower where it runs for days: what a fast law learns of rounding in an hour is in the last columns. A finer encoder moves δ, and with it the whole trade.
-A controller that runs for good on a plant that changes is better served by the drift watch ([control.md](control.md)) and a new identification than by a fast law.
+Choose a faster rate where friction changes within a minute and someone watches. Choose a slower one where the controller runs for days: the last columns show how far rounding leads a fast law in an hour. A finer encoder moves δ, and with it the whole trade. Where a plant changes and the controller runs for good, the drift watch ([control.md](control.md)) and a new identification serve better than a fast law.
 ",
     );
     out

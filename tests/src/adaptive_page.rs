@@ -170,7 +170,7 @@ fn page(runs: &[(u32, Vec<Moment>)], experiment: &Experiment) -> String {
         "# The adaptive controller
 
 The law is `breakaway_core::control::Adaptive` (derivation, errata and proof: [theory.md](theory.md), section 6). This page is written by its test
-(`BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test all pages::`); every number and figure below is the core's own law on the event-exact plant.
+(`BREAKAWAY_BLESS=1 cargo test -p breakaway-tests --test all pages::`); every number and figure below comes from the core's own law on the event-exact plant.
 
 What differs from the paper's eqs 22–31, beyond the errata:
 
@@ -218,8 +218,7 @@ Over the first 5 s the order is the paper's: good starting values track better f
 
 **What the paper does not show is the time after.** ![later](images/adaptive-later.svg)
 
-The loops that began badly adapted more, because they had more error to adapt from, and then track no worse, for a while better, than the one that began well. All three end
-with small errors and *wrong parameters*:
+The loops with the bad start adapted more, because they had more error to adapt from. After that they track no worse than the one with the good start, and for a while better. All three end with small errors and *wrong parameters*:
 
 | after {SECONDS:.0} s | b̂ | ĉ | f̂1 | f̂ |
 |---|---|---|---|---|
@@ -233,12 +232,12 @@ with small errors and *wrong parameters*:
     }
     out.push_str(
         "
-The proof promises no more: it bounds the estimates and drives \\|s\\| to δ; within δ nothing adapts, and a sine of one frequency cannot tell ĉ·v, f̂1·sgn v and f̂ apart.
+The proof promises no more: it bounds the estimates and drives \\|s\\| to δ. Within δ nothing adapts. And a sine of one frequency cannot separate ĉ·v, f̂1·sgn v and f̂.
 The adaptive law is a way to track, not a way to identify. Identify first (`breakaway identify`), start from that, and let it adapt slowly.
 
 ## Saturation
 
-The same loops with the drive limited to ±5 V (the motion needs 22 V), ten times the adaptation gains, 30 s; largest b̂ (the plant's is 0.1429):
+The same loops run for 30 s with ten times the adaptation gains and the drive limited to ±5 V; the motion needs 22 V. The table has the largest b̂; the plant's is 0.1429.
 
 | | frozen in saturation | not frozen |
 |---|---|---|
@@ -258,8 +257,7 @@ The same loops with the drive limited to ±5 V (the motion needs 22 V), ten time
         "
 ## The experiment of section 6, as a demonstration
 
-The paper reports 11.2 µm without friction compensation and 1.01 µm with it, a factor of 11, on a motor with Kp = 192.59 mm/s per V, Tp = 0.073454 s, f1 = 0.238 V (units: errata 26, 34),
-with Kv = 1200, Λ1 = 600, Λ2 = 1400, δ = 10. Amplitude and frequency are not given. Simulated in mm with a tick of 0.2 ms and exact velocity, settled (5–15 s):
+The paper reports 11.2 µm without friction compensation and 1.01 µm with it, a factor of 11. The motor has Kp = 192.59 mm/s per V, Tp = 0.073454 s, f1 = 0.238 V (units: errata 26, 34). The law has Kv = 1200, Λ1 = 600, Λ2 = 1400, δ = 10. Amplitude and frequency are not given. Simulated in mm with a tick of 0.2 ms and exact velocity, settled (5–15 s):
 
 ![section 6](images/adaptive-experiment.svg)
 
@@ -278,7 +276,7 @@ with Kv = 1200, Λ1 = 600, Λ2 = 1400, δ = 10. Amplitude and frequency are not 
     }
     out.push_str(
         "
-So a factor of this size is possible, **if the parameters are exact and the velocity is**. How much of it is left when f̂1 is not exact (2 mm, 1 Hz):
+So a factor of this size is possible, **if the parameters are exact and the velocity is**. The next table shows the rest of it when f̂1 is not exact (2 mm, 1 Hz):
 
 | f̂1/f1 | error, µm | ratio to none |
 |---|---|---|
@@ -290,8 +288,7 @@ So a factor of this size is possible, **if the parameters are exact and the velo
     }
     out.push_str(
         "
-An error of 10 % of f1 takes most of the gain away and 20 % nearly all of it. The reason is δ: any friction left uncompensated pushes s to the edge of the band ±δ = ±10 mm/s, where the error is about
-δ/Λ2 = 7 µm, however large it is; only compensation good enough to keep s well within δ makes the error small. We do not claim the factor of 11: it says as much about δ and the motion as about friction.
+An error of 10 % of f1 takes most of the gain away and 20 % nearly all of it. The reason is δ. Any uncompensated friction, however small, pushes s to the edge of the band ±δ = ±10 mm/s. There the error is about δ/Λ2 = 7 µm. The error is small only if the compensation keeps s well within δ. We do not claim the factor of 11, because it depends on δ and the motion as much as on friction.
 ",
     );
     out.push_str(&crate::adaptive_default::section());

@@ -11,6 +11,7 @@ pub mod markdown;
 pub mod papers;
 pub mod robustness;
 pub mod robustness_page;
+pub mod sentences;
 #[cfg(unix)]
 pub mod soak;
 use std::path::PathBuf;

@@ -6,20 +6,20 @@ use std::iter;
 pub const WIDTH: usize = 100;
 
 /// Whether a line is prose: not of a table, a heading, a block, a figure or a comment.
-fn is_prose(line: &str) -> bool {
+pub(crate) fn is_prose(line: &str) -> bool {
     let start = line.trim_start();
     !(start.is_empty() || line.starts_with("    ") || start.starts_with(['|', '#', '<', '!']))
 }
 
 /// How far a line's own marker (`- `, `2. `) indents what follows; `None` for a line without one.
-fn marker(line: &str) -> Option<usize> {
+pub(crate) fn marker(line: &str) -> Option<usize> {
     let start = line.trim_start();
     let digits = start.chars().take_while(char::is_ascii_digit).count();
     let is_item = start.starts_with("- ") || start.starts_with("* ") || digits > 0 && start[digits..].starts_with(". ");
     is_item.then(|| line.len() - start.len() + start.find(' ').map_or(0, |at| at + 1))
 }
 
-/// Words that stay on one line: those of a code span or of a link's text stick together, and a word that would begin a
+/// Words that stay on one line. Those of a code span or of a link's text stick together. A word that would begin a
 /// list or a table sticks to the one before it.
 fn words(text: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();

@@ -61,8 +61,8 @@ pub struct Outcome {
     pub break_away_s: f64,
 }
 
-/// The first `count` plants of the series: b, c and f1 log-uniform over two decades, 500 to 20 000 counts per turn,
-/// 0 to 2 ticks of delay, and in three of four plants one compensable effect at 5 to 30 % of f1.
+/// The first `count` plants of the series: b, c and f1 log-uniform over two decades, 500 to 20 000 counts per turn, 0
+/// to 2 ticks of delay. Three of four plants have one compensable effect at 5 to 30 % of f1.
 pub fn plants(count: usize) -> Vec<Random> {
     let mut rng = ChaCha8Rng::seed_from_u64(20_261);
     (0..count)

@@ -22,7 +22,7 @@ pub fn page() -> String {
     let mut out = String::from(
         "# Robustness
 
-Written by `cargo run --release -p breakaway-tests --example robustness -- docs/robustness.md`. Nothing here is a bound that was proved: it is what came out of simulation.
+Written by `cargo run --release -p breakaway-tests --example robustness -- docs/robustness.md`. Nothing here is a proved bound: all numbers are results of simulation.
 
 ## Two hundred random plants
 
@@ -31,9 +31,7 @@ Written by `cargo run --release -p breakaway-tests --example robustness -- docs/
     // Here and below, writing to a String cannot fail.
     let _ = writeln!(
         out,
-        "b in 0.002–0.2 V·s²/rad, c in 0.01–1 V·s/rad, f1 in 0.02–2 V (log-uniform), 500–20 000 counts per turn with noise of 0.2 counts, 0–2 ticks of 1 ms of delay, and in six of eight plants one effect at 5–30 % of f1
-(cogging, Stribeck, position friction, constant load, gravity, spring). The controller is tuned for b, c and f1 that are each off by up to 10 %, at the default bandwidth (a quarter of the largest that tick and
-delay allow), runs in f32, and has the compensator **on**, drive limited to 1.5 times what a sine of 1 rad at 0.5 Hz needs. Three trials each:
+        "The plants have b in 0.002–0.2 V·s²/rad, c in 0.01–1 V·s/rad and f1 in 0.02–2 V (log-uniform). The encoders have 500–20 000 counts per turn with noise of 0.2 counts; the delay is 0–2 ticks of 1 ms. Six of eight plants have one effect at 5–30 % of f1: cogging, Stribeck, position friction, constant load, gravity or a spring. The controller is tuned for b, c and f1 that are each off by up to 10 %. Its bandwidth is the default one, a quarter of the largest that tick and delay allow. It runs in f32, with the compensator **on**. The drive is limited to 1.5 times what a sine of 1 rad at 0.5 Hz needs. Each plant has three trials:
 
 1. *stable*: 8 s of the sine; the error does not grow;
 2. *still*: an S-curve, then 4 s of rest; in the last 2 s the true position moves by at most {COUNTS} counts, peak to peak;
@@ -101,14 +99,15 @@ The failures:
     }
     out.push_str(
         "
-What \"not back\" is, where the count is a few: the axis stands within friction, and the integral needs b·Kv·Λ1·∫e = f1 to break it away. Where f1 is large for b (the bandwidth is bounded by the tick, so the stiffness
-b·Kv·Λ2 is bounded by b) that takes longer than the 15 s (the last column, with the error as it is at the end, and up to twice that where the move has left the integral on the other side). Compensation does not help there: while the reference rests it leaves friction alone, or it would move an axis that stands. A saturating move on an axis with little damping comes back in swings that decay slowly: give references that the drive can follow.
+A plant that is \"not back\" by a few counts stands within friction. The integral needs b·Kv·Λ1·∫e = f1 to break it away. The tick bounds the bandwidth, so b bounds the stiffness b·Kv·Λ2.
+Where f1 is large for b, breaking away therefore takes longer than the 15 s. The last column has that time for the error at the end. It is up to twice as long where the move has left the integral on the other side.
+Compensation does not help there, because at rest it must not move the axis. A saturating move on an axis with little damping comes back in swings that decay slowly. Give references that the drive can follow.
 ",
     );
 }
 
-/// When a rise of f1 by 30 % after `change_s` was found, s; an infinite time where it was not, and a negative one for an
-/// alarm before it.
+/// When a rise of f1 by 30 % after `change_s` was found, s. It is infinite where it was not found, and negative for
+/// an alarm before it.
 fn found(trial: &Trial) -> f64 {
     trial.run().alarms.first().map_or(f64::INFINITY, |(t, _)| t - trial.change_s)
 }
@@ -133,7 +132,7 @@ fn drift(out: &mut String) {
         "
 ## The drift watch
 
-With the settings that the firmware takes for motion and encoder (`DriftSettings::along`). The papers' plant (b .02685, c .11, f1 .5), a PID following 1 rad at 0.5 Hz, 8000 counts per turn with noise of a third of a count, a tick of 1 ms:
+The watch has the settings that the firmware computes from motion and encoder (`DriftSettings::along`). The papers' plant (b .02685, c .11, f1 .5) follows 1 rad at 0.5 Hz under a PID. The encoder has 8000 counts per turn with noise of a third of a count; the tick is 1 ms.
 
 | | |
 |---|---|
@@ -150,8 +149,9 @@ With the settings that the firmware takes for motion and encoder (`DriftSettings
     let _ = write!(
         out,
         "
-Other plants: every fourth of the table above, f1 up by 30 % after 40 s at four phases of the sine, and {HOURS} h without a change shared among them. Once the model is the plant; once it is what the controller was tuned for above,
-every parameter off by up to 10 %, and it knows nothing of the plant's effect. What such a model leaves out along the stroke is larger than the rise where f1 is small beside b·ẍ, c·ẋ or the effect, and it widens the scale:
+Other plants are every fourth of the table above. f1 rises by 30 % after 40 s, at four phases of the sine. They share {HOURS} h without a change among them. In one column the model is the plant.
+In the other it is the model of the controller above: every parameter is off by up to 10 %, and the plant's effect is missing.
+The error of such a model widens the scale. It is larger than the rise where f1 is small beside b·ẍ, c·ẋ or the effect.
 
 | | the model fits | it is off |
 |---|---|---|

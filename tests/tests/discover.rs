@@ -1,8 +1,9 @@
-//! Discovery on data whose missing effect it is not told: the hidden plant (written from the specification, not from this
-//! project's simulator) and recordings of real machines. The whole matrix is `cargo xtask blind`; docs/blind.md has its table.
+//! Discovery on data whose missing effect it does not know. These are the hidden plant (written from the
+//! specification, not from this project's simulator) and recordings of real machines. The whole matrix is
+//! `cargo xtask blind`; docs/blind.md has its table.
 //!
-//! Seeds from 901 on are not used for the table there; of them the slow sines of 903 to 911 and the pair of 902 were looked at while
-//! a rule was made (docs/blind.md).
+//! Seeds from 901 on are not used for the table there. Of them the slow sines of 903 to 911 and the pair of 902 were
+//! looked at while a rule was made (docs/blind.md).
 
 use breakaway::discover::engine::{DiscoverError, Request, discover};
 use breakaway::discover::outcome::Verdict;
@@ -91,8 +92,8 @@ fn stiction_far_above_the_coulomb_level_is_named() {
     assert!(scored.right() && scored.parameter_error.unwrap() < 0.05, "{scored:?}");
 }
 
-/// A delay reads the drive's samples: where it came after the dead zone in the model, the dead zone was passed over, and a lag was
-/// named. On this seed and the next two the rules were made.
+/// A delay reads the drive's samples. Where it came after the dead zone in the model, the dead zone was passed over,
+/// and a lag was named. On this seed and the next two the rules were made.
 #[test]
 fn a_delay_beside_a_dead_zone_is_named() {
     both_named(&["dead_zone", "delay"], 807);
@@ -110,8 +111,8 @@ fn what_was_refused_is_tried_again_beside_the_second_effect() {
     both_named(&["electrical_lag", "inertia_step"], 808);
 }
 
-/// What gained most while two were missing was neither: begun again with the effect that most segments bear out, the model comes
-/// down to the noise. A dead time was named.
+/// The effect that gained most while two were missing was neither. Begun again with the effect that most segments
+/// bear out, the model comes down to the noise. A dead time was named.
 #[test]
 fn a_model_that_leaves_much_is_begun_again() {
     both_named(&["load_friction", "dead_zone"], 831);
@@ -123,8 +124,9 @@ fn a_gap_that_leaves_much_is_doubted() {
     both_named(&["saturation", "gain_drift"], 842);
 }
 
-/// A weak coupling, whose base leaves 1.01 times the noise: begun otherwise the model comes down to the noise, too, by what would be
-/// withdrawn for leaving most of the gap. That took the coupling's place, and nothing was named.
+/// A weak coupling, whose base leaves 1.01 times the noise. Begun otherwise the model comes down to the noise, too.
+/// It does so by an effect that would be withdrawn for leaving most of the gap. That took the coupling's place, and
+/// nothing was named.
 #[test]
 fn what_would_be_withdrawn_takes_no_place() {
     let (scored, _) = run(&Case::suite(876, &["flexible_coupling"], 1.0).unwrap()).unwrap();
@@ -138,8 +140,8 @@ fn a_lag_shorter_than_a_sample_is_no_delay() {
     assert!(scored.right() && scored.parameter_error.unwrap() < 0.05, "{scored:?}");
 }
 
-/// Among impacts the motion before a segment does not say where the load is; sought all over the gap it is found, and the gap
-/// with it. This was unknown: even the true parameters left 18 times the noise.
+/// Among impacts the motion before a segment does not say where the load is. Sought all over the gap it is found, and
+/// the gap with it. This was unknown: even the true parameters left 18 times the noise.
 #[test]
 fn a_backlash_of_a_third_of_the_motion_is_named() {
     let (scored, _) = run(&Case::suite(803, &["backlash"], 30.0).unwrap()).unwrap();
@@ -149,16 +151,16 @@ fn a_backlash_of_a_third_of_the_motion_is_named() {
     assert!(scored.over_truth < 5.0, "{scored:?}");
 }
 
-/// A weak coupling (1.7 times the noise, mostly absorbed by the base): in open loop the base's own drift is as large, and it
-/// was refused for that.
+/// A weak coupling (1.7 times the noise, mostly absorbed by the base). In open loop the base's own drift is as large,
+/// and it was refused for that.
 #[test]
 fn a_weak_coupling_is_named() {
     let (scored, _) = run(&Case::suite(805, &["flexible_coupling"], 10.0).unwrap()).unwrap();
     assert!(scored.right() && scored.over_truth < 1.01, "{scored:?}");
 }
 
-/// A light load on a stiff, lightly damped shaft: the well about its resonance is a few rad/s wide, and with starts an eighth apart
-/// it was missed (unknown). On these seeds, and the next two, the rule was made.
+/// A light load on a stiff, lightly damped shaft. The well about its resonance is a few rad/s wide. With starts an
+/// eighth apart it was missed (unknown). On these seeds, and the next two, the rule was made.
 #[test]
 fn a_resonance_between_the_starts_is_found() {
     for seed in [841, 844] {
@@ -168,8 +170,8 @@ fn a_resonance_between_the_starts_is_found() {
     }
 }
 
-/// Over .4 s no model follows the impacts, over .1 s the right gap does: asked to follow a whole second from there, as no model
-/// can, it was refused, and a coupling named that hardly rings.
+/// Over .4 s no model follows the impacts, over .1 s the right gap does. It had to follow a whole second from there,
+/// which no model can, and was refused. A strongly damped coupling was named.
 #[test]
 fn a_gap_is_asked_no_further_than_its_segments_allow() {
     let (scored, _) = run(&Case::suite(845, &["backlash"], 10.0).unwrap()).unwrap();
@@ -249,8 +251,9 @@ fn rows_of(file: &str, input: &str, position: &str, select: Vec<Selection>) -> O
     Some(Recording::read(&measured_data()?.join(file), &options).unwrap())
 }
 
-/// A slow sine over teeth: they move the axis more than the drive does, and the base's inertia and friction grew beyond all bounds
-/// together, beside which only a second body (backlash here) gained anything. Within bounds the teeth are found.
+/// A slow sine over teeth, which move the axis more than the drive does. The base's inertia and friction grew
+/// together without a bound. Beside that base only a second body (backlash here) gained anything. Within bounds the
+/// teeth are found.
 #[test]
 fn teeth_are_named_where_they_move_more_than_the_drive() {
     let case = Case::new(909, &["cogging"], 10.0, Experiment::SlowSine).unwrap();
@@ -279,9 +282,10 @@ fn emps_misses_asymmetric_friction() {
     assert!(last.holdout_open_loop_rmse < 0.42e-3, "{last:?}");
 }
 
-/// The motor with cogging, recorded at up to 150 rad/s with a jittered clock: a tooth passes within a sample in all but the slow parts.
-/// The measured forces tell it there, with 72 waves in a turn and .183 A (the data's README); a half of that to either side is what
-/// the windows' attenuation leaves uncertain. Something else is left, so that it is not explained.
+/// The motor with cogging, recorded at up to 150 rad/s with a jittered clock. A tooth passes within a sample in all
+/// but the slow parts. The measured forces tell it there, with 72 waves in a turn and .183 A (the data's README). The
+/// windows' attenuation leaves half of that uncertain to either side. Something else is left, so that it is not
+/// explained.
 #[test]
 fn the_laas_motors_cogging_is_named() {
     let Some(recording) = measured("laas-motor/current-sine-2hz.csv", "iq_A", "x_rad") else { return };

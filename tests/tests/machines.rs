@@ -95,8 +95,8 @@ fn the_quick_subset_has_no_wrong_name_where_that_holds() {
     }
 }
 
-/// EMPS follows a smooth reference: over a second a cubic in time is off by more than the published model (0.4 mm), and by
-/// less than the travel (0.25 m).
+/// EMPS follows a smooth reference. Over a second a cubic in time is off by more than the published model (0.4 mm),
+/// and by less than the travel (0.25 m).
 #[test]
 fn the_drive_free_curve_of_emps_is_worse_than_a_model() {
     let Some(data) = measured_data() else { return };

@@ -9,8 +9,9 @@ use crate::cross::{self, Toolchain};
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
-use crate::run::{cargo, root, run, run_counting, succeeds};
+use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
+use crate::words::words_interface_licences;
 
 /// Runs all steps, stops at the first that fails; ends with times, what was not run, and `N passed, N failed`.
 pub fn all() -> ExitCode {
@@ -33,7 +34,7 @@ fn steps(report: &mut Report) -> Result<()> {
         // As its user builds it: without the features that the tests bring.
         run(&mut cargo(["clippy", "--package", "breakaway", "--", "-D", "warnings"]))
     })?;
-    words_and_licences(report)?;
+    words_interface_licences(report)?;
     let mut toolchain = Toolchain::Active;
     report.check("toolchain for the microcontrollers", || {
         toolchain = cross::install()?;
@@ -61,22 +62,6 @@ fn steps(report: &mut Report) -> Result<()> {
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;
     }
-    Ok(())
-}
-
-/// Wrong words, and the licences and sources of the dependencies: by programs that take a second, where they are installed.
-fn words_and_licences(report: &mut Report) -> Result<()> {
-    if succeeds(Command::new("typos").arg("--version")) {
-        report.check("words (typos)", || run(Command::new("typos").current_dir(root())))?;
-    } else {
-        report.not_run("wrong words: typos is not installed (`cargo install typos-cli`)".to_owned());
-    }
-    if succeeds(&mut cargo(["deny", "--version"])) {
-        // Advisories need the network.
-        let check = ["deny", "--offline", "check", "bans", "licenses", "sources"];
-        return report.check("licences and sources (cargo-deny)", || run(&mut cargo(check)));
-    }
-    report.not_run("licences and sources: cargo-deny is not installed (`cargo install cargo-deny`)".to_owned());
     Ok(())
 }
 

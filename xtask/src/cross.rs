@@ -1,5 +1,5 @@
-//! Building for the microcontrollers, with whichever toolchain can be had (in this order): the target installed
-//! in the active toolchain, the target from rustup, Debian's rustc that builds its own `core`.
+//! Building for the microcontrollers. The toolchain is the first of these: the target installed in the active
+//! toolchain, the target from rustup, Debian's rustc that builds its own `core`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -48,8 +48,8 @@ pub const IMAGE: Build = Build {
     arguments: &["--bin", "mps2-an386", "--features", "board-mps2-an386"],
     profile: RELEASE,
 };
-/// The images that measure, built as what is flashed is: the tick on the virtual board, and the tick alone on a core
-/// without an FPU.
+/// The images that measure, built in the profile that is flashed. One is the tick on the virtual board, the other the
+/// tick alone on a core without an FPU.
 pub const BUDGET: Build = Build {
     target: M4F,
     packages: &["breakaway-firmware"],

@@ -17,6 +17,7 @@ mod report;
 mod run;
 mod setup;
 mod soak;
+mod words;
 
 use std::process::ExitCode;
 
@@ -25,11 +26,11 @@ use clap::Parser;
 #[derive(Parser)]
 #[command(bin_name = "cargo xtask", about = "The developer's one entry")]
 enum Task {
-    /// Format, lints, all host tests, doctests, and the builds for the microcontrollers; ends with the ten slowest tests,
-    /// what could not be run here, and `N passed, N failed`
+    /// Format, lints, all host tests, doctests, and the builds for the microcontrollers. It ends with the ten slowest
+    /// tests, what could not be run here, and `N passed, N failed`
     Test,
-    /// Fetch what `test` needs beyond rustup's stable toolchain: rustfmt, clippy and the microcontrollers' targets from
-    /// rustup, QEMU from Debian's packages, unpacked under the target folder; root is not needed
+    /// Fetch what `test` needs beyond rustup's stable toolchain. rustfmt, clippy and the microcontrollers' targets
+    /// come from rustup. QEMU comes from Debian's packages, unpacked under the target folder; root is not needed
     Setup,
     /// Build the virtual board's firmware, for `breakaway virtual-board`, and fetch QEMU if it is missing
     Image,

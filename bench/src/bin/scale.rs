@@ -151,9 +151,9 @@ fn page(lengths: &[Point], counts: &[Point]) -> String {
     let mut out = String::from(
         "# Scale
 
-Written by `cargo xtask bench --scale`: multisine recordings at 1 kHz of the papers' plant with Stribeck friction, from CSV files, every
-point a process of its own. Discovery simulates at most 120 segments to fit and 80 to score, taken evenly over the session, and says so in its
-report: beyond some minutes of data its time grows with reading and smoothing alone.
+Written by `cargo xtask bench --scale`. The recordings are multisines at 1 kHz of the papers' plant with Stribeck friction, in CSV files.
+Every point is a process of its own. Discovery simulates at most 120 segments to fit and 80 to score, taken evenly over the session,
+and its report says so. Beyond some minutes of data its time therefore grows with reading and smoothing alone.
 
 ## One recording
 

@@ -44,8 +44,9 @@ impl Crossing {
     }
 }
 
-/// Ends the integration at the crossing, bisected on the crate's own interpolation. (Its `Event`, version 0.7.0, ends at the
-/// start of the step in which these events are, and of several events in one step reports the one that was added first.)
+/// Ends the integration at the crossing, bisected on the crate's own interpolation. (Its `Event`, version 0.7.0, ends
+/// at the start of the step in which these events are. Of several events in one step it reports the one that was
+/// added first.)
 impl Solout<f64, [f64; 3]> for Crossing {
     fn solout<I>(
         &mut self,

@@ -7,11 +7,11 @@
 //! ĉ' = kc·v·s_Δ    b̂' = −kb·u_c·s_Δ    f̂1' = kf1·sgn v·s_Δ    f̂' = kf·(|s_Δ| − σ·f̂)
 //! ```
 //!
-//! The paper's â and f̂2 have the same regressor v up to its sign: they act only as ĉ = f̂2 − â, whose law is theirs with
-//! kc = ka + kf2, and no data tell them apart (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0 by projection,
-//! b_max being where the loop, whose gain goes with b̂/b, leaves what tick and delay allow ([`crate::control::largest_rate`]);
-//! σ, without which f̂ only rises; adaptation frozen while the drive is saturated, and the integral taken back by what was cut off; gains scaled by the
-//! parameters' own sizes.
+//! The paper's â and f̂2 have the same regressor v up to its sign. They act only as ĉ = f̂2 − â, whose law is theirs
+//! with kc = ka + kf2. No data separate them (section 1). On top of the paper: b_min ≤ b̂ ≤ b_max and f̂1, ĉ, f̂ ≥ 0
+//! by projection. At b_max the loop, whose gain goes with b̂/b, leaves what tick and delay allow
+//! ([`crate::control::largest_rate`]). σ lets f̂ fall again. While the drive is saturated adaptation is frozen, and
+//! the integral goes back by what was cut off. Gains are scaled by the parameters' own sizes.
 
 mod settings;
 
@@ -171,7 +171,7 @@ impl<R: Fast> Adaptive<R> {
     }
 
     /// The drive for position `x`, with ė from e by observer and filter, and v = ẋ_d − ė; `direction` is the sign of the
-    /// reference's velocity. [`Self::learn`] must follow.
+    /// reference's velocity. [`Self::update`] must follow.
     #[inline]
     pub fn drive(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, x: R, direction: R) -> R {
         let error = reference.x - x;
@@ -179,7 +179,7 @@ impl<R: Fast> Adaptive<R> {
         self.drive_ideal(state, reference, Ideal { error, error_rate: rate * self.per_tick, direction })
     }
 
-    /// The drive from given signals. [`Self::learn`] must follow.
+    /// The drive from given signals. [`Self::update`] must follow.
     #[inline]
     pub fn drive_ideal(&self, state: &mut AdaptiveState<R>, reference: Setpoint<R>, signals: Ideal<R>) -> R {
         let Ideal { error: e, error_rate, direction } = signals;
@@ -196,7 +196,7 @@ impl<R: Fast> Adaptive<R> {
         c * v - b * u_c + f1 * direction + f * sat
     }
 
-    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: nothing adapts, and the
+    /// Ends a tick whose drive was cut; `excess` is the applied drive less the computed one. Nothing adapts, and the
     /// integral goes back by the excess over the tracking time 1/√Λ1, as the PID's.
     #[inline]
     pub fn cut(&self, state: &mut AdaptiveState<R>, excess: R) {
@@ -205,7 +205,7 @@ impl<R: Fast> Adaptive<R> {
 
     /// Ends a tick whose drive was applied as it is: the integral goes on and the parameters adapt.
     #[inline]
-    pub fn learn(&self, state: &mut AdaptiveState<R>) {
+    pub fn update(&self, state: &mut AdaptiveState<R>) {
         let Regressors { integral, s_delta, v, u_c, direction } = state.now;
         state.integral = integral;
         if s_delta == R::ZERO && self.sigma == R::ZERO {

@@ -50,8 +50,8 @@ pub struct Feed<R> {
 /// The share of the break-away force that friction compensation may reach.
 const CAP: f64 = 0.98;
 
-/// How far ahead of the reference the drive of a tick acts, s: it is applied `delay_ticks` ticks after its reading and then
-/// held for a tick, on average half a tick more.
+/// How far ahead of the reference the drive of a tick acts, s. It is applied `delay_ticks` ticks after its reading
+/// and then held for a tick, on average half a tick more.
 pub fn lead_s<F: Real>(tick_s: F, delay_ticks: u32) -> F {
     tick_s * (F::from_u32(delay_ticks) + F::from_f64(0.5))
 }
@@ -209,8 +209,8 @@ impl<R: Fast> Compensator<R> {
         feed.friction - coulomb + feed.forces
     }
 
-    /// The drive that the model needs to hold the velocity `v` at `x`, without the cap and whether switched on or not:
-    /// what the [drift watch](super::DriftWatch) compares with the drive that was applied.
+    /// The drive that the model needs to hold the velocity `v` at `x`, without the cap and whether switched on or
+    /// not. The [drift watch](super::DriftWatch) compares it with the applied drive.
     #[inline]
     pub fn balance(&self, x: R, v: R) -> R {
         let mut sum = Sum { force: R::ZERO, level: self.base.f1, rest: self.base.f1 };

@@ -33,9 +33,9 @@ pub struct ControllerState<R> {
     pub adaptive: AdaptiveState<R>,
 }
 
-/// What a tick came to.
+/// The drive of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Command<R> {
+pub struct LimitedDrive<R> {
     /// The drive, within the limit.
     pub u: R,
     /// Whether the limit cut it: nothing adapted, and the integral went back by what was cut off.
@@ -72,14 +72,20 @@ impl<R: Fast> Controller<R> {
 
     /// One tick: the drive for a reference and the measured position `x`.
     #[inline]
-    pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> Command<R> {
+    pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> LimitedDrive<R> {
         self.tick_from(state, reference, x, R::ZERO)
     }
 
-    /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero being 0:
-    /// an error keeps its digits far from there, and effects of the position stay where they are.
+    /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero
+    /// being 0. So an error keeps its digits far from there, and effects of the position stay where they are.
     #[inline]
-    pub fn tick_from(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R, origin: R) -> Command<R> {
+    pub fn tick_from(
+        &self,
+        state: &mut ControllerState<R>,
+        reference: Setpoint<R>,
+        x: R,
+        origin: R,
+    ) -> LimitedDrive<R> {
         let placed = Setpoint { x: reference.x + origin, ..reference };
         let compensator = self.compensator.as_ref().filter(|compensator| compensator.is_on());
         let (mut u, limit) = match &self.law {
@@ -99,23 +105,23 @@ impl<R: Fast> Controller<R> {
         // A comparison that is false for NaN: what is no number counts as saturated, and drives nothing.
         if u.abs() <= limit {
             match &self.law {
-                ControlLaw::Pid(pid) => pid.learn(&mut state.pid),
-                ControlLaw::Adaptive(law) => law.learn(&mut state.adaptive),
+                ControlLaw::Pid(pid) => pid.update(&mut state.pid),
+                ControlLaw::Adaptive(law) => law.update(&mut state.adaptive),
             }
-            return Command { u, saturated: false };
+            return LimitedDrive { u, saturated: false };
         }
         let cut = if u > limit {
             limit
         } else if u < -limit {
             -limit
         } else {
-            return Command { u: R::ZERO, saturated: true };
+            return LimitedDrive { u: R::ZERO, saturated: true };
         };
         match &self.law {
             ControlLaw::Pid(pid) => pid.cut(&mut state.pid, cut - u),
             ControlLaw::Adaptive(law) => law.cut(&mut state.adaptive, cut - u),
         }
-        Command { u: cut, saturated: true }
+        LimitedDrive { u: cut, saturated: true }
     }
 }
 

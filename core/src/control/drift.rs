@@ -1,13 +1,14 @@
 //! The watch over the model's validity: the one-step residual of the model, and a two-sided CUSUM on it.
 //!
-//! An observer predicts each position from the last one, the drive and the model, friction with its sticking included; what
-//! is left, `ε = x − x̂`, corrects it with gains of a double pole at e^(−ωo·Ts) for the double integrator. A force that the
-//! model misses shows as `r = ε·(b·l2/Ts² + c·l1/Ts)`, drive units, after a few 1/ωo. Residuals are averaged over blocks
-//! that overlap by half, under the window `30·τ²(1 − τ)²`: the noise of the readings comes as b·ε̈ + c·ε̇, and a window that
-//! ends smoothly takes the derivatives upon itself, so that a block of length L keeps `b·σ·√Ts·26.8·L^(−5/2) + …` of it
-//! whatever ωo is. Blocks are taken only where the axis moves one way and has done so for a few 1/ωo. The first blocks of
-//! either direction teach mean and scale (the calibrated stretch); later ones, in units of that scale and cut at ±8, feed
-//! two pairs of sums over both directions: z itself (a load), and z along the motion (friction)
+//! An observer predicts each position from the last one, the drive and the model, friction with its sticking
+//! included. The residual, `ε = x − x̂`, corrects it with gains of a double pole at e^(−ωo·Ts) for the double
+//! integrator. A force that the model misses shows as `r = ε·(b·l2/Ts² + c·l1/Ts)`, drive units, after a few 1/ωo.
+//! Residuals are averaged over blocks that overlap by half, under the window `30·τ²(1 − τ)²`: The noise of the
+//! readings comes as b·ε̈ + c·ε̇. A window that ends smoothly takes the derivatives upon itself, so that a block of
+//! length L keeps `b·σ·√Ts·26.8·L^(−5/2) + …` of it whatever ωo is. Blocks are taken only where the axis moves one
+//! way and has done so for a few 1/ωo. The first blocks of either direction set mean and scale (the calibrated
+//! stretch). Later ones, in units of that scale and cut at ±8, feed two pairs of sums over both directions. These are
+//! of z itself (a load), and z along the motion (friction)
 //!
 //! ```text
 //! g+ = max(0, g+ + z − k)      g− = max(0, g− − z − k)      alarm at g > h
@@ -216,8 +217,8 @@ impl<R: Fast> DriftWatch<R> {
         let pole = (-bandwidth_rad_s * tick_s).exp_negative();
         let l1 = F::ONE - pole * pole;
         let l2 = (F::ONE - pole) * (F::ONE - pole);
-        // ∫ and ∬ of the response to a force over a tick, in units of Ts/b and Ts²/b: (1 − e^(−z))/z and (1 − that)/z by their
-        // Padé fractions, to 5e-5 up to z = 0.3 and 1.5e-3 up to 1.
+        // ∫ and ∬ of the response to a force over a tick, in units of Ts/b and Ts²/b. They are (1 − e^(−z))/z and (1
+        // − that)/z by their Padé fractions, to 5e-5 up to z = 0.3 and 1.5e-3 up to 1.
         let z = base.c * tick_s / base.b;
         let number = F::from_f64;
         let once = F::ONE / (F::ONE + z * (number(0.5) + z.scale(1.0 / 12.0)));
@@ -250,8 +251,8 @@ impl<R: Fast> DriftWatch<R> {
         })
     }
 
-    /// One tick: `u` is the drive that was applied from the last reading until this one (with drive-path effects: what
-    /// they hand on), `x` the reading. Reports a mismatch once and starts to watch anew.
+    /// One tick: `u` is the drive that was applied from the last reading until this one, behind any drive-path
+    /// effects, and `x` the reading. Reports a mismatch once and starts to watch anew.
     pub fn tick(&self, state: &mut DriftState<R>, u: R, x: R) -> Option<ModelMismatch<R>> {
         if !state.started {
             state.interrupt();

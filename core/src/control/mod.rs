@@ -1,10 +1,10 @@
-//! What drives the axis along a reference: trajectories, the PID and its tuning, the feed-forward compensator, the
-//! adaptive law, and the watch over the model's validity (docs/theory.md, section 6).
+//! Control of the axis along a reference. It has trajectories, the PID and its tuning, the feed-forward compensator,
+//! the adaptive law, and the watch over the model's validity (docs/theory.md, section 6).
 //!
-//! Configuration is apart from state: a configuration is built once, in f64, with its checks, and is only read in the
-//! tick; a state is plain data. Everything in the tick is generic over [`Fast`] (f32, f64, Q32) and divides by nothing that
-//! depends on data. In f32 it calls no libm, with two exceptions: a Stribeck exponent other than 2, and the one square
-//! root at the end of a calibration.
+//! Configuration is apart from state: a configuration is built once, in f64, with its checks, and the tick only reads
+//! it. A state is plain data. Everything in the tick is generic over [`Fast`] (f32, f64, Q32) and divides by nothing
+//! that depends on data. In f32 it calls no libm, with two exceptions: a Stribeck exponent other than 2, and the one
+//! square root at the end of a calibration.
 //!
 //! ```
 //! use breakaway_core::control::{Controller, ControllerState, Pid, Sine, Trajectory, tune};
@@ -33,7 +33,7 @@ mod tuning;
 
 pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal, least_delta};
 pub use compensator::{Compensator, CompensatorError, Feed, lead_s};
-pub use controller::{Command, ControlLaw, Controller, ControllerState};
+pub use controller::{ControlLaw, Controller, ControllerState, LimitedDrive};
 pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};
 pub use fast::Fast;
 pub use margins::{Margins, margins};

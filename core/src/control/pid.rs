@@ -66,9 +66,9 @@ impl<R: Fast> Pid<R> {
         })
     }
 
-    /// The integral rests while the reference does and |e| ≤ `band` (X, ≥ 0; usually one encoder step): what is
-    /// within a step is not known, and an integral that goes on would break the axis away again and again where
-    /// friction at rest is above that in motion.
+    /// The integral rests while the reference does and |e| ≤ `band` (X, ≥ 0; usually one encoder step). The position
+    /// within a step is not known. An integral that goes on would break the axis away again and again where friction
+    /// at rest is above that in motion.
     #[must_use]
     pub fn with_rest_band(self, band: f64) -> Self {
         Self { rest_band: R::from_f64(band).max(R::ZERO), ..self }
@@ -79,7 +79,7 @@ impl<R: Fast> Pid<R> {
         self.limit
     }
 
-    /// The drive for position `x`; [`Self::learn`] must follow, once it is known what of the drive was cut off.
+    /// The drive for position `x`; [`Self::update`] must follow, once it is known what of the drive was cut off.
     #[inline]
     pub fn drive(&self, state: &mut PidState<R>, reference: Setpoint<R>, x: R) -> R {
         let e = reference.x - x;
@@ -91,12 +91,12 @@ impl<R: Fast> Pid<R> {
 
     /// Ends a tick whose drive was applied as it is: the integral goes on.
     #[inline]
-    pub fn learn(&self, state: &mut PidState<R>) {
+    pub fn update(&self, state: &mut PidState<R>) {
         state.integral = state.pending;
     }
 
-    /// Ends a tick whose drive was cut, with `excess` being what was applied less what was asked for: the integral does not go on,
-    /// but back by the excess over the tracking time 1/√Λ1 (docs/control.md, section "The PID").
+    /// Ends a tick whose drive was cut; `excess` is the applied drive less the computed one. The integral goes back
+    /// by the excess over the tracking time 1/√Λ1 (docs/control.md, section "The PID").
     #[inline]
     pub fn cut(&self, state: &mut PidState<R>, excess: R) {
         state.integral += self.back * excess;

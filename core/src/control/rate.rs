@@ -4,9 +4,9 @@
 //! ê⁻ = ê + r      i = e − ê⁻      ê = ê⁻ + (1 − p²)·i      r' = r + (1 − p)²·i      p = 1/(1 + ωo·Ts)
 //! ```
 //!
-//! Both poles are at p, so it is stable at any ωo and does not overshoot. It is as late as two filters of 1/ωo. Without an
-//! observer p is 0, and r the plain difference. What a count makes of r rises over the time 1/ωo to ωo/e per second; in a
-//! filter of the same delay it is there at once (docs/control.md, section "The encoder").
+//! Both poles are at p, so it is stable at any ωo and does not overshoot. It is as late as two filters of 1/ωo.
+//! Without an observer p is 0, and r the plain difference. What a count makes of r rises over the time 1/ωo to ωo/e
+//! per second. In a filter of the same delay it is there at once (docs/control.md, section "The encoder").
 
 use super::tuning::Gains;
 use crate::scalar::Real;

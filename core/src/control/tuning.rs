@@ -1,9 +1,9 @@
 //! The PID of the paper's remark 1, tuned from the identified (b, c) and a bandwidth.
 //!
-//! `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė` (docs/control.md, section "The PID"; b is what (paper 24) puts before u_c). With the
-//! plant the open loop is `L(s) = Kv·(s² + Λ2·s + Λ1)/(s²·(s + c/b))`. Λ1 and Λ2 put one zero at ωc/4 and the other on the
-//! plant's pole c/b, but within ωc/4..4ωc (a double zero at ωc/4 for little damping; a loop of nearly PI form for much),
-//! and Kv makes |L| = 1 at ωc: in continuous time the phase margin is then at least 62° for any c.
+//! `u = b·Kv·s`, `s = Λ1·∫e + Λ2·e + ė` (docs/control.md, section "The PID"; b is what (paper 24) puts before u_c).
+//! With the plant the open loop is `L(s) = Kv·(s² + Λ2·s + Λ1)/(s²·(s + c/b))`. Λ1 and Λ2 put one zero at ωc/4 and
+//! the other on the plant's pole c/b, but within ωc/4..4ωc. That is a double zero at ωc/4 for little damping, and
+//! nearly a PI for much. Kv makes |L| = 1 at ωc. In continuous time the phase margin is then at least 62° for any c.
 
 mod encoder;
 
@@ -98,9 +98,9 @@ impl<F: Real> Gains<F> {
         Ok(())
     }
 
-    /// X·ticks by which the integral goes back per drive unit that was cut off, in a tick: the drive unit is 1/(b·Kv·Λ1·Ts) of
-    /// them, over the tracking time 1/√Λ1, which is the geometric mean of the PID's integral time Λ2/Λ1 and derivative time
-    /// 1/Λ2; at most all of it in a tick. Without an integral 0.
+    /// X·ticks by which the integral goes back per drive unit that was cut off, in a tick. The drive unit is
+    /// 1/(b·Kv·Λ1·Ts) of them. The tracking time is 1/√Λ1, the geometric mean of the PID's integral time Λ2/Λ1 and
+    /// derivative time 1/Λ2; at most all of it in a tick. Without an integral 0.
     pub(super) fn back_calculation(&self, tick_s: F) -> F {
         if self.lambda1 == F::ZERO {
             return F::ZERO;
@@ -146,8 +146,8 @@ fn acceptable(gains: &Gains, b: f64, c: f64, tick_s: f64, delay_ticks: u32) -> b
         && margins(gains, b, c, tick_s, delay_ticks).is_some_and(|m| m.phase_deg >= 30.0 && m.gain >= 2.0)
 }
 
-/// PID gains for the plant (b, c) at an open-loop crossover of `bandwidth_hz`, sampled every `tick_s` seconds, with
-/// `delay_ticks` ticks from reading a position to applying the drive computed from it.
+/// PID gains for the plant (b, c) at an open-loop crossover of `bandwidth_hz`. The loop is sampled every `tick_s`
+/// seconds, with `delay_ticks` ticks from reading a position to applying the drive computed from it.
 ///
 /// # Errors
 /// [`TuningError`]; a bandwidth past the sampled loop's limit ([`largest_rate`], 30° of phase and a factor of two of

@@ -1,9 +1,9 @@
 //! Sine, cosine and arctangent for the solvers, in f32 and f64.
 //!
-//! libm's cost 6 KB on a microcontroller, most of it for the reduction of angles beyond 2²⁰ turns and for the last half
-//! unit in the last place. The solvers' angles are integers in fractions of a turn, or products that are already rounded:
-//! here the reduction is by integers or by the rounded quarter turn, whose error is no more than twice the angle's own
-//! rounding, and the series is a loop.
+//! libm's functions take 6 KB on a microcontroller. Most of it reduces angles beyond 2²⁰ turns, and computes the last
+//! half unit in the last place. The solvers' angles are integers in fractions of a turn, or products that are already
+//! rounded. Here the reduction is by integers or by the rounded quarter turn, whose error is at most twice the
+//! angle's own rounding. The series is a loop.
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 

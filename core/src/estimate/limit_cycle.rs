@@ -1,10 +1,10 @@
 //! Watches a dual-relay experiment and says how it ended (docs/theory.md, section 2).
 //!
-//! Fed once per tick with the error and the drive, it measures each cycle between two interpolated upward zero crossings
-//! of the error: period, amplitude (√2 times the rms about the mean: the fundamental's to 0.1 %, and insensitive to
-//! noise), mean error, mean drive (the load) and the share of time spent above zero. It is settled when three successive
-//! cycles agree within the tolerance times (1 − ρ)/ρ: with a deviation that shrinks by ρ per cycle, what remains after
-//! the last cycle is ρ/(1 − ρ) times the last change.
+//! Fed once per tick with the error and the drive, it measures each cycle between two interpolated upward zero
+//! crossings of the error. The amplitude is √2 times the rms about the mean: the fundamental's to 0.1 %, and
+//! insensitive to noise. Beside it are period, mean error, mean drive (the load) and the share of time spent above
+//! zero. It is settled when three successive cycles agree within the tolerance times (1 − ρ)/ρ. A deviation that
+//! shrinks by ρ per cycle changes by ρ/(1 − ρ) times the last change after the last cycle.
 
 mod cycle;
 
@@ -55,7 +55,7 @@ pub struct DetectorSettings<R> {
     pub h1: R,
     /// Amplitude of the relay on the error's integral, drive units, > 0.
     pub h2: R,
-    /// How far past zero the error must be for the relay to switch, position units, ≥ 0: with an encoder the
+    /// How far past zero the error must be for the relay to switch, position units, ≥ 0. With an encoder it is the
     /// hysteresis in counts plus one half, times the count.
     pub hysteresis: R,
     /// Coulomb friction if it is known; otherwise it is taken as 0 in ρ, and the run itself must show the cycle's origin.
@@ -136,8 +136,8 @@ pub enum RelayOutcome<R> {
         /// Why.
         reason: NoLimitCycleReason,
     },
-    /// Settled, but the directions differ: the halves' durations, the mean error, or a mean drive, which is a constant
-    /// load or friction that depends on the direction.
+    /// Settled, but the directions differ in the halves' durations, the mean error, or the mean drive. A constant
+    /// load, or friction that depends on the direction, does that.
     Asymmetric {
         /// The cycle's numbers, with its bias.
         cycle: LimitCycle<R>,
@@ -326,7 +326,7 @@ impl<R: Real> LimitCycleDetector<R> {
         value.max(floor).min(ceiling)
     }
 
-    /// The relay switches half a sample and one hysteresis late, by the angle ω·Ts/2 + ε/a; in the harmonic balance
+    /// The relay switches half a sample and one hysteresis late, by the angle ω·Ts/2 + ε/a. In the harmonic balance
     /// that is h1 times this angle more of h2. A known f1 < h2 is proof enough that the cycle has its own supply.
     fn fed_by_lag(&self, cycle: &Cycle<R>) -> Option<RelayOutcome<R>> {
         let settings = &self.settings;

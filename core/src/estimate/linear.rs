@@ -1,7 +1,7 @@
 //! Small dense least squares by normal equations, for up to eight parameters.
 //!
-//! The matrix is scaled to a unit diagonal and decomposed by cyclic Jacobi rotations: for eight columns that is a few
-//! microseconds, it never divides by a small pivot, and its smallest eigenvector says *which* parameter the data
+//! The matrix is scaled to a unit diagonal and decomposed by cyclic Jacobi rotations. For eight columns that takes a
+//! few microseconds. It never divides by a small pivot, and its smallest eigenvector says *which* parameter the data
 //! cannot determine.
 
 use crate::says::says;

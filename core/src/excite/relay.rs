@@ -1,9 +1,9 @@
 //! The dual relay that shakes the axis into a limit cycle.
 //!
 //! `u = h1·sgn(e) + h2·sgn(∫e)`, `e = r − x` (paper section 3, docs/theory.md, section 2). The first relay (FR1) acts
-//! as a spring, the second (FR2) as negative damping that feeds what friction takes. Because FR2 acts on the integral,
-//! a cycle can only repeat when `∫e` returns to itself: the mean of `e` goes to zero, and the axis does not drift, with
-//! a constant load too.
+//! as a spring, the second (FR2) as negative damping that feeds what friction takes. Because FR2 acts on the
+//! integral, a cycle can only repeat when `∫e` returns to itself. The mean of `e` goes to zero, and the axis does not
+//! drift, with a constant load too.
 
 use core::ops::{Add, Neg};
 
@@ -139,8 +139,8 @@ impl<A> DualRelay<A> {
 
     /// One tick on the error `r − x` in counts: returns the signs of FR1 and FR2.
     ///
-    /// FR1 switches when the error leaves the hysteresis on the other side. FR2 does the same on Σe: the sum crosses
-    /// zero where |e| is at its peak, so one tick's error carries it across the band, while at rest noise within the
+    /// FR1 switches when the error leaves the hysteresis on the other side. FR2 does the same on Σe. The sum crosses
+    /// zero where |e| is at its peak, so one tick's error carries it across the band. At rest, noise within the
     /// hysteresis cannot toggle it every tick.
     pub fn signs(&self, state: &mut DualRelayState, error_counts: i32) -> (i8, i8) {
         state.positive1 = switch(state.positive1, error_counts, self.hysteresis);
@@ -153,8 +153,8 @@ impl<A> DualRelay<A> {
 impl<A: Copy + Add<Output = A> + Neg<Output = A>> DualRelay<A> {
     /// One tick on the error `r − x` in counts: returns the drive, to be applied at once and held until the next tick.
     ///
-    /// A drive that reaches the axis one tick later adds `ω·Ts` of lag, which feeds the cycle like
-    /// `h1·ω·Ts` more of `h2`; the estimators must then be given the drive as it was applied.
+    /// A drive that reaches the axis one tick later adds `ω·Ts` of lag, which feeds the cycle like `h1·ω·Ts` more of
+    /// `h2`. The estimators then need the drive as it was applied.
     pub fn tick(&self, state: &mut DualRelayState, error_counts: i32) -> A {
         self.signs(state, error_counts);
         let first = if state.positive1 { self.h1 } else { -self.h1 };

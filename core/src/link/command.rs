@@ -149,7 +149,7 @@ pub struct Track {
     /// What is followed.
     pub trajectory: Trajectory,
     /// Who follows.
-    pub controller: Controller,
+    pub controller: ControllerGains,
     /// Adds `b·ẍ + c·ẋ` of the reference, from the loaded model.
     pub feed_forward: bool,
     /// Adds the loaded model's friction and effects at the reference. Off is bit-identical to absent.
@@ -189,8 +189,9 @@ pub enum Trajectory {
         /// > 0.
         duration_s: f32,
     },
-    /// Trapezoid of velocity, or with jerk phases an S-curve, there and back with a rest at both ends
-    /// ([`Profile`](crate::control::Profile)): 4·jerk + 2·acceleration + cruise below 2³⁰, and jerk or acceleration above 0.
+    /// Trapezoid of velocity, or with jerk phases an S-curve. It goes there and back with a rest at both ends
+    /// ([`Profile`](crate::control::Profile)): 4·jerk + 2·acceleration + cruise below 2³⁰, and jerk or acceleration
+    /// above 0.
     Profile {
         /// Size, finite.
         distance: f32,
@@ -207,7 +208,7 @@ pub enum Trajectory {
 
 /// A position controller with its gains, in drive and position units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Controller {
+pub enum ControllerGains {
     /// `kp·e + ki·∫e + kd·ė`.
     Pid(Pid),
     /// The adaptive law (docs/theory.md, section 6), started from the loaded model.
@@ -371,13 +372,13 @@ impl Track {
         }
         let gain = |value: f32, field| range(value.is_finite() && value >= 0.0, field);
         match self.controller {
-            Controller::Pid(Pid { kp, ki, kd, error_rate }) => {
+            ControllerGains::Pid(Pid { kp, ki, kd, error_rate }) => {
                 gain(kp, Field::Kp)?;
                 gain(ki, Field::Ki)?;
                 gain(kd, Field::Kd)?;
                 error_rate.validate()?;
             }
-            Controller::Adaptive(Adaptive { kv, lambda1, lambda2, delta, error_rate, rates }) => {
+            ControllerGains::Adaptive(Adaptive { kv, lambda1, lambda2, delta, error_rate, rates }) => {
                 error_rate.validate()?;
                 for (value, field) in
                     [(kv, Field::Kv), (lambda1, Field::Lambda1), (lambda2, Field::Lambda2), (delta, Field::Delta)]

@@ -39,8 +39,8 @@ pub struct FaultRecord {
 /// What raises a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaultCause {
-    /// Driven at `frozen_drive_code` or more, either way, for `frozen_ticks` in all (value: ticks) without motion, which is 4
-    /// counts: the encoder or one of its channels is dead.
+    /// Driven at `frozen_drive_code` or more, either way, for `frozen_ticks` in all (value: ticks) without motion,
+    /// which is 4 counts. The encoder or one of its channels is dead.
     EncoderFrozen,
     /// The count changed by more than `jump_counts` in one tick (value: counts).
     EncoderJump,
@@ -65,8 +65,8 @@ pub enum FaultCause {
     SettingsLost,
     /// The saved model was damaged or of another version; none is loaded.
     ModelLost,
-    /// The axis gains speed against the drive (value: its work so far, in counts at `frozen_drive_code`): encoder or motor is
-    /// connected the wrong way round, and no loop may be closed.
+    /// The axis gains speed against the drive (value: its work so far, in counts at `frozen_drive_code`). Encoder or
+    /// motor is connected the wrong way round, and no loop may be closed.
     WrongDirection,
     /// The device was reset (pin, supply) while the drive was on (value: tick at which the run had started).
     ResetWhileDriven,

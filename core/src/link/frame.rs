@@ -1,7 +1,8 @@
 //! Frames: `COBS(message ‖ CRC-32 of the message, little endian) ‖ 0`.
 //!
-//! Zero bytes occur only at the end of frames, so a receiver that has lost bytes is in step again after the next one; the
-//! CRC finds what was damaged in between. Two zeros in a row are no frame and no error: a sender may put one in front.
+//! Zero bytes occur only at the end of frames, so a receiver that has lost bytes is in step again after the next one.
+//! The CRC finds damaged bytes in between. Two zeros in a row are no frame and no error: a sender may put one in
+//! front.
 
 use crate::says::says;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};

@@ -24,7 +24,7 @@ mod sample;
 mod settings;
 
 pub use command::{
-    Adaptive, Bounds, Command, Controller, ErrorRate, OpenLoop, Pid, Push, Reference, Relay, Request, Track,
+    Adaptive, Bounds, Command, ControllerGains, ErrorRate, OpenLoop, Pid, Push, Reference, Relay, Request, Track,
     Trajectory, WaveformPart,
 };
 pub use error::{CommandError, Rejected};
@@ -33,7 +33,7 @@ pub use field::Field;
 pub use frame::{Decoder, EncodeError, FrameError, MAX_FRAME, MAX_MESSAGE, checksum, encode};
 pub use info::{DriveUnit, Info, PositionUnit, Text, peer_version};
 pub use model::{EffectId, Model, WireEffect};
-pub use reply::{Estimate, Identified, Message, Reply, Sine, Status, Verdict};
+pub use reply::{Estimate, IdentificationVerdict, Identified, Message, Reply, Sine, Status};
 pub use sample::{BATCH_BYTES, Batch, BatchError, BatchWriter, Mode, Sample};
 pub use settings::{Settings, SettingsError};
 

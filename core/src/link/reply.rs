@@ -93,7 +93,7 @@ pub struct Estimate {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
     /// Whether the numbers can be used.
-    pub verdict: Verdict,
+    pub verdict: IdentificationVerdict,
     /// Inertia.
     pub b: Estimate,
     /// Viscous friction and back-EMF.
@@ -131,7 +131,7 @@ pub struct Sine {
 
 /// Whether the data determine the model; as [`Refusal`], which has the advice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Verdict {
+pub enum IdentificationVerdict {
     /// Yes.
     Determined,
     /// [`Refusal::TooShort`].
@@ -156,7 +156,7 @@ pub enum Verdict {
     Gaps,
 }
 
-impl From<Refusal> for Verdict {
+impl From<Refusal> for IdentificationVerdict {
     fn from(refusal: Refusal) -> Self {
         match refusal {
             Refusal::TooShort => Self::TooShort,
@@ -172,7 +172,7 @@ impl From<Refusal> for Verdict {
     }
 }
 
-impl Verdict {
+impl IdentificationVerdict {
     /// Every verdict.
     pub const ALL: [Self; 11] = [
         Self::Determined,

@@ -4,6 +4,8 @@ use crate::says::says;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use super::CommandError;
+
 /// Most bytes of samples in a batch: what [`MAX_MESSAGE`](super::MAX_MESSAGE) leaves beside the batch's own numbers.
 pub const BATCH_BYTES: usize = 224;
 
@@ -26,6 +28,18 @@ pub enum Mode {
 }
 
 impl Mode {
+    /// Whether a command that needs an idle device may be carried out.
+    ///
+    /// # Errors
+    /// [`CommandError::Faulted`] and [`CommandError::Busy`].
+    pub const fn idle(self) -> Result<(), CommandError> {
+        match self {
+            Self::Idle => Ok(()),
+            Self::Fault => Err(CommandError::Faulted),
+            mode => Err(CommandError::Busy(mode)),
+        }
+    }
+
     /// Its name.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -43,8 +43,8 @@ pub struct Settings {
     pub drive_full_scale: f32,
     /// Unit of drive.
     pub drive_unit: DriveUnit,
-    /// After a run the motor is held by its own current (both ends of it at the same side of the supply), where the power stage can;
-    /// else it coasts. It coasts after a trip and a reset in any case.
+    /// After a run the motor's own current holds it: both ends are at the same side of the supply. Where the power
+    /// stage cannot do that, the motor coasts. It coasts after a trip and a reset in any case.
     pub brake: bool,
 }
 
@@ -52,9 +52,9 @@ pub struct Settings {
 pub type SettingsError = Field;
 
 impl Default for Settings {
-    /// A 4096-count encoder on a 24 V supply, at half drive and within ten revolutions either way: enough to move any
-    /// axis gently, too little to wind one up. For longer than about a second, an eighth of the drive, which a motor of that
-    /// voltage stands when it is blocked.
+    /// A 4096-count encoder on a 24 V supply, at half drive and within ten revolutions either way. That is enough to
+    /// move any axis gently, too little to wind one up. For longer than about a second, an eighth of the drive, which
+    /// a motor of that voltage stands when it is blocked.
     fn default() -> Self {
         Self {
             drive_max_code: i16::MAX / 2,

@@ -4,8 +4,9 @@
 //! the velocity passes zero the sub-step is split there: the body either stays (|force| ≤ break-away level) or goes on
 //! with the opposite friction. On the base plant this agrees with the closed form to O(h³) per step.
 //!
-//! A fit does this some hundred million times: sums over the effects are loops (an iterator's `fold` is called for every
-//! effect), and a sub-step is one function, or a number with its derivatives is copied from call to call.
+//! A fit does this some hundred million times. Therefore sums over the effects are loops, because an iterator's
+//! `fold` is called for every effect. And a sub-step is one function, because otherwise a number with its derivatives
+//! is copied from call to call.
 #![allow(clippy::inline_always, reason = "a fifth of a discovery's time")]
 
 use super::base::Base;
@@ -61,7 +62,7 @@ impl<R: Real> Effect<R> {
     }
 
     /// The mechanics over a whole sample of `h` seconds in which the motor moves from `at.x` at `at.v`, in sub-steps
-    /// that resolve them; the mean reaction.
+    /// that resolve them. Returns the mean reaction.
     fn mechanics_in_parts(&self, base: &Base<R>, at: &Instant<R>, memory: &mut Memory<R>, h: f64) -> R {
         let inertia = Base { b: base.b.to_f64(), c: 0.0, f1: 0.0 };
         let bandwidth = self.kind.bandwidth(&self.plain(), &inertia);
@@ -135,8 +136,9 @@ impl<R: Real> Plant<'_, R> {
         }
     }
 
-    /// What the effects add to the balance of forces along an imposed motion, in drive units: with position `x`,
-    /// velocity `v` and acceleration `a` at the sample, `b·a + c·v + f1·sgn v − u − (this) = 0` on the true plant.
+    /// What the effects add to the balance of forces along an imposed motion, in drive units. The motion has position
+    /// `x`, velocity `v` and acceleration `a` at the sample, `b·a + c·v + f1·sgn v − u − (this) = 0` on the true
+    /// plant.
     ///
     /// Advances the memories over the sample period; used also to bring them up to date before a segment in the middle
     /// of a recording. Sensor effects act on the measured position and are not in it.

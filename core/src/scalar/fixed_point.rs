@@ -1,9 +1,9 @@
 //! Fixed point: [`Q32`], 31 integer and 32 fractional bits, for cores without an FPU.
 //!
-//! The operators of `fixed::types::I32F32` panic on overflow in debug builds and wrap in release ones; a control law
-//! must do neither, so `Q32` wraps the type and saturates. Products and quotients round to nearest.
-//! All arithmetic is in integers. Range ±2³¹, step 2.3e-10. Worst errors measured by the tests below: sin and cos 4e-9,
-//! atan2 2 steps (5e-10), ln 2 steps, exp 2 steps + 2e-10 relative, sqrt 1 step.
+//! The operators of `fixed::types::I32F32` panic on overflow in debug builds and wrap in release ones. A control law
+//! must do neither, so `Q32` wraps the type and saturates. Products and quotients round to nearest. All arithmetic is
+//! in integers. Range ±2³¹, step 2.3e-10. Worst errors measured by the tests below: sin and cos 4e-9, atan2 2 steps
+//! (5e-10), ln 2 steps, exp 2 steps + 2e-10 relative, sqrt 1 step.
 
 use super::Real;
 use crate::scalar::nco;

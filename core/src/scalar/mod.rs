@@ -1,5 +1,5 @@
-//! The number trait: everything in the core that is not integer arithmetic is generic over [`Real`]; and the integer sine
-//! and cosine of the tick ([`nco`]).
+//! The number trait [`Real`], over which everything in the core but integer arithmetic is generic. Also the integer
+//! sine and cosine of the tick ([`nco`]).
 
 #[cfg(feature = "micromath")]
 pub mod approximate;

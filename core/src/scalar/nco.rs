@@ -1,7 +1,7 @@
 //! Numerically controlled oscillator: a u32 phase accumulator and an interpolated sine table.
 //!
-//! One turn is 2³² phase units, so the phase wraps by itself and never loses resolution, however long the record
-//! (an f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps).
+//! One turn is 2³² phase units, so the phase wraps by itself and never loses resolution, however long the record. An
+//! f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps.
 //!
 //! [`sin_cos`] looks up the nearest of 256 points of the circle and interpolates with the derivatives that the table
 //! already holds, `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256.

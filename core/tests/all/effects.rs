@@ -6,9 +6,9 @@ use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const H: f64 = 1e-3;
 
-/// An effect has influence only through the hooks of the place where it says that it acts: the plant calls no others, so one
-/// written for another place would be without effect and unnoticed. Exactly no influence is asked for, over motions of both
-/// directions, at rest, and with a memory that has been moved.
+/// An effect has influence only through the hooks of the place where it says that it acts. The plant calls no others,
+/// so one written for another place would have no effect, unnoticed. Exactly no influence is asked for, over motions
+/// of both directions, at rest, and with a memory that has been moved.
 #[test]
 fn hooks_stand_where_the_effect_acts() {
     for &kind in Kind::ALL {
@@ -78,8 +78,8 @@ fn an_impact_keeps_momentum_and_leaves_e_of_the_closing_speed() {
     }
 }
 
-/// A load that is pushed moves as one with the motor: under a constant drive both gain u/b, the inertia of the two together, and
-/// the motor is where one body would be. The impact that begins it is exact: to rounding.
+/// A load that is pushed moves as one with the motor. Under a constant drive both gain u/b, with the inertia of the
+/// two together, and the motor is where one body would be. The impact that begins it is exact: to rounding.
 #[test]
 fn a_load_that_is_pushed_is_one_body_with_the_motor() {
     let base = Base { b: 0.03_f64, c: 0.0, f1: 0.0 };
@@ -108,8 +108,9 @@ fn driven(effects: &[Effect<f64>]) -> f64 {
     state.x
 }
 
-/// The drive's path has an order of its own: in which order two effects were found makes no difference, to the bit, and none of
-/// the two is passed over (a delay reads the samples as they were recorded, so whatever acts before it would be lost).
+/// The drive's path has an order of its own. The order in which two effects were found makes no difference, to the
+/// bit, and neither is passed over. A delay reads the samples as they were recorded, so an effect before it would be
+/// lost.
 #[test]
 fn two_effects_of_the_drive_act_both_in_whatever_order_they_stand() {
     let drive: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| kind.acts_in() == ActsIn::Drive).collect();
@@ -133,9 +134,9 @@ fn two_effects_of_the_drive_act_both_in_whatever_order_they_stand() {
     }
 }
 
-/// A delay and a lag of the same τ, shorter than a sample, give the same velocity after an edge, and positions that are ½·a·τ² apart:
-/// all that tells them from each other. A mean drive over the whole sample would lose it (and did); in the sub-steps that the
-/// plant asks for it is there to 10 %: h²/8 and h²/12 of a sub-step of 1/7 ms in τ²/2 are 8 %.
+/// A delay and a lag have the same τ, shorter than a sample. They give the same velocity after an edge, and positions
+/// that are ½·a·τ² apart. Nothing else separates them. A mean drive over the whole sample would lose it (and did). In
+/// the plant's sub-steps it is there to 10 %: h²/8 and h²/12 of a sub-step of 1/7 ms in τ²/2 are 8 %.
 #[test]
 fn a_delay_and_a_lag_within_a_sample_differ() {
     let base = Base { b: 0.02, c: 0.0, f1: 0.0 };

@@ -61,7 +61,7 @@ fn row_10_modulating_with_noise() {
     }
 }
 
-/// Row 11: three cycles from standstill, 1 %. The windows are 4 % shorter than two periods (any length is exact), so that
+/// Row 11: three cycles from standstill, 1 %. The windows are 4 % shorter than two periods (any length is exact). So
 /// two of them fit although the sign needs d samples beyond the last.
 #[test]
 fn row_11_three_cycles_from_standstill() {

@@ -40,7 +40,7 @@ const fn run(h1: f64, h2: f64, ts: f64, seconds: f64) -> Run {
 }
 
 /// Periods and fundamental amplitudes of docs/theory.md, section 2. The relay is sampled at 20 µs: half a sample of
-/// lag is ω·Ts/2 ≤ 2e-4 rad, which moves the balance h2 − f1 by at most h1·2e-4/(h2−f1) = 0.1 %; √2·rms exceeds the
+/// lag is ω·Ts/2 ≤ 2e-4 rad. That moves the balance h2 − f1 by at most h1·2e-4/(h2−f1) = 0.1 %. √2·rms exceeds the
 /// fundamental by (X3/X1)²/2 ≤ 0.11 %; the settling tolerance is set to 0.1 % of change still to come.
 #[test]
 fn settled_cycles_agree_with_the_exact_ones() {
@@ -133,8 +133,9 @@ fn drive_below_breakaway() {
     assert_eq!(end, RelayOutcome::NoLimitCycle { reason });
 }
 
-/// Section 2: with a constant load FR2 drives the mean of e to 0; the load shows as the mean drive, which over a whole
-/// cycle is load + f1·(mean sign of the velocity). The velocity is symmetric within 1 % here: f1/100 is allowed.
+/// Section 2: with a constant load FR2 drives the mean of e to 0. The load shows as the mean drive, which over a
+/// whole cycle is load + f1·(mean sign of the velocity). The velocity is symmetric within 1 % here: f1/100 is
+/// allowed.
 #[test]
 fn a_load_is_reported_as_asymmetry_and_does_not_drift() {
     let loaded = Plant { load: 0.3, ..REFERENCE };

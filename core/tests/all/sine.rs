@@ -99,8 +99,8 @@ fn row_3_dc_does_not_bias() {
     }
 }
 
-/// Section 3: without the dc column a dc of 0.3A biases A by up to 20 % at one cycle and 7.6 % at two (the worst of all
-/// phases, with free frequency, and of 2 to 2.9 cycles).
+/// Section 3: without the dc column a dc of 0.3A biases A by up to 20 % at one cycle and 7.6 % at two. That is the
+/// worst of all phases, with free frequency, and of 2 to 2.9 cycles.
 #[test]
 fn dc_without_its_column_biases_the_amplitude() {
     let worst = |n: usize| {

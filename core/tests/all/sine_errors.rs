@@ -1,5 +1,5 @@
-//! The sine fit's standard errors, residual and phases against the information matrix of the record, written out and inverted
-//! without any of the fit's own steps.
+//! The sine fit's standard errors, residual and phases against the information matrix of the record. The matrix is
+//! written out and inverted without any of the fit's own steps.
 
 use breakaway_core::estimate::sine::{
     BlockSums, FrequencySearch, SineFit, SineModel, StreamingSine, even, fit_fixed, fit_free,
@@ -29,8 +29,8 @@ fn inverse(mut a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     a.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
-/// The model's columns at time `t` from the centre: sine and cosine, then as asked for constant, slope, and those of the
-/// harmonics; each harmonic with its number and its place.
+/// The model's columns at time `t` from the centre: sine and cosine, then, where wanted, constant, slope, and those
+/// of the harmonics. Each harmonic has its number and its place.
 fn columns(model: SineModel, omega: f64, t: f64) -> (Vec<f64>, Vec<(f64, usize)>) {
     let pair = |harmonic: f64| [(harmonic * omega * t).sin(), (harmonic * omega * t).cos()];
     let (mut row, mut harmonics) = (pair(1.0).to_vec(), vec![(1.0, 0)]);

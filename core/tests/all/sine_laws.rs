@@ -37,8 +37,8 @@ fn streaming<S: breakaway_core::estimate::sine::Sample>(y: &[S], omega: f64) -> 
     config.fit(&sums)
 }
 
-/// A sine in counts: its period in samples and by how much it is off that, its length, phase, offset and third harmonic; with one
-/// count of noise beside the harmonic, and 50 dB without.
+/// A sine in counts: its period in samples and its error of that, its length, phase, offset and third harmonic. It
+/// has one count of noise beside the harmonic, and 50 dB without.
 struct Counts {
     period: u32,
     off: f64,
@@ -65,10 +65,11 @@ fn in_f64_and_f32(record: &Counts, seed: u64) -> (SineFit<f64>, SineFit<f32>) {
     (wide.fit(&a).unwrap(), narrow.fit(&b).unwrap())
 }
 
-/// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth but in one
-/// of a hundred: there the harmonic leaves next to nothing between the blocks, the two sources of the noise disagree, and
-/// the rounding of what the blocks do not see of the sine decides what each counts. In 6 000 others 32 were off by more, 5 by
-/// more than 1 %, 1 by more than 5 %: by 30 %, where 66 counts of 20 000 were left.
+/// The standard errors of limit cycles with 4 % of a third harmonic, solved in f32, are those of f64 to a thousandth
+/// in 99 of a hundred. In the others the harmonic leaves next to nothing between the blocks, and the two sources of
+/// the noise disagree. Then the rounding of the part of the sine that the blocks do not see decides the weight of
+/// each. In 6 000 others 32 were off by more, 5 by more than 1 %, 1 by more than 5 %: by 30 %, where 66 counts of 20
+/// 000 were left.
 #[test]
 fn standard_errors_in_f32_are_those_of_f64() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -161,10 +162,10 @@ proptest! {
         }
     }
 
-    /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32. With 50 dB of
-    /// noise instead of harmonics the noise's power is 1e-5 of the signal's, of which the sums' rounding (2^-24 each of 32
-    /// blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the standard errors. Those of the limit cycle:
-    /// `standard_errors_in_f32_are_those_of_f64`.
+    /// Counts of a limit cycle, as a board sums them: solved in f32 they give what f64 gives, to the digits of f32.
+    /// With 50 dB of noise instead of harmonics the noise's power is 1e-5 of the signal's. Of that the sums' rounding
+    /// (2^-24 each of 32 blocks' three, relative) takes up to 2e-7: 2 % of it, 1 % of the standard errors. Those of
+    /// the limit cycle: `standard_errors_in_f32_are_those_of_f64`.
     #[test]
     fn solved_in_f32_as_in_f64(
         period in 60_u32..1_500,

@@ -125,8 +125,8 @@ fn the_limit_is_nyquists_over_the_highest_harmonic() {
     assert!(!beyond.is_ok_and(|fit| fit.omega_rad_s > PI / TS / 3.0 || fit.amplitude > 0.2));
 }
 
-/// The search ends a hundredth of π radians of half the record before Nyquist's frequency, where sine and cosine are one
-/// column: what is twice as far from it is found, what is half as far has its best beyond the edge.
+/// The search ends a hundredth of π radians of half the record before Nyquist's frequency, where sine and cosine are
+/// one column. A sine twice as far from it is found; one half as far has its best beyond the edge.
 #[test]
 fn the_search_ends_a_hundredth_before_nyquist() {
     let half_s = 0.5 * 99.0 * TS;

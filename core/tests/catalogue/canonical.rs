@@ -14,8 +14,8 @@ fn hooks(effect: &Effect<f64>, at: &Instant<f64>) -> [f64; 3] {
 }
 
 proptest! {
-    /// Phases come into (−π, π], amplitudes become positive, and the law stays the same to 1e-11: angles up to 1e4 rad
-    /// are rounded by 2e-12, and amplitudes add up to 3. A second time nothing changes, to the bit.
+    /// Phases come into (−π, π], amplitudes become positive, and the law stays the same to 1e-11. Angles up to 1e4
+    /// rad are rounded by 2e-12, and amplitudes add up to 3. A second time nothing changes, to the bit.
     #[test]
     fn the_canonical_form_is_the_same_effect(
         a in -1.0..1.0_f64, a2 in -2.0..2.0_f64, phases in prop::array::uniform2(-1e4..1e4_f64), whole in any::<bool>(),

@@ -90,7 +90,7 @@ pub const PROFILE: Trajectory =
 
 pub fn tracks() -> [Track; 6] {
     let error_rate = ErrorRate { filter_s: 0.002, observer_rad_s: 0.0 };
-    let pid = Controller::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5, error_rate });
+    let pid = ControllerGains::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5, error_rate });
     let track = |trajectory, controller| Track {
         trajectory,
         controller,
@@ -100,7 +100,7 @@ pub fn tracks() -> [Track; 6] {
     };
     [
         track(Trajectory::Hold, pid),
-        track(Trajectory::Sine { amplitude: 0.5, period_s: 2.0 }, Controller::Adaptive(adaptive())),
+        track(Trajectory::Sine { amplitude: 0.5, period_s: 2.0 }, ControllerGains::Adaptive(adaptive())),
         track(Trajectory::Triangle { amplitude: 0.25, period_s: 4.0 }, pid),
         track(Trajectory::Step { distance: -1.0 }, pid),
         track(Trajectory::MinimumJerk { distance: 1.5, duration_s: 0.75 }, pid),
@@ -159,7 +159,7 @@ pub fn batch() -> Batch {
 pub fn identified() -> Identified {
     let estimate = |value, se| Estimate { value, se };
     Identified {
-        verdict: Verdict::SingleSpeed,
+        verdict: IdentificationVerdict::SingleSpeed,
         b: estimate(0.026_85, 1e-5),
         c: estimate(0.11, 2e-4),
         f1: estimate(0.5, 3e-3),

@@ -51,7 +51,7 @@ fn vectors() -> String {
     all(&mut text, "unit", &PositionUnit::ALL);
     all(&mut text, "unit", &DriveUnit::ALL);
     all(&mut text, "cause", &FaultCause::ALL);
-    all(&mut text, "verdict", &Verdict::ALL);
+    all(&mut text, "verdict", &IdentificationVerdict::ALL);
     for field in Field::ALL {
         line(&mut text, &format!("field {}", field.name()), field);
     }

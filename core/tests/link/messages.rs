@@ -93,7 +93,7 @@ fn command_errors_name_the_field() {
     let drive = examples::drive();
     let [_, adaptive, _, step, _, _] = examples::tracks();
     let error_rate = ErrorRate::default();
-    let pid = |kp, ki, kd| Track { controller: Controller::Pid(Pid { kp, ki, kd, error_rate }), ..adaptive };
+    let pid = |kp, ki, kd| Track { controller: ControllerGains::Pid(Pid { kp, ki, kd, error_rate }), ..adaptive };
     let sine = |amplitude, period_s| Track { trajectory: Trajectory::Sine { amplitude, period_s }, ..step };
     let profile = |jerk_ticks, acceleration_ticks, rest_ticks| {
         let trajectory =
@@ -103,7 +103,7 @@ fn command_errors_name_the_field() {
     let law = |change: fn(&mut Adaptive)| {
         let mut gains = examples::adaptive();
         change(&mut gains);
-        Command::StartTrack(Track { controller: Controller::Adaptive(gains), ..adaptive })
+        Command::StartTrack(Track { controller: ControllerGains::Adaptive(gains), ..adaptive })
     };
     let part = WaveformPart { offset: 511, points: [0, 0].into_iter().collect() };
     let wrong = [

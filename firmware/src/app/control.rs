@@ -4,7 +4,7 @@
 //! floating-point code at all.
 
 /// A controller with its trajectory.
-pub trait Controller {
+pub trait PositionController {
     /// What a run under control needs to know: checked by the thread before it is ordered.
     type Plan: Clone;
 
@@ -22,11 +22,11 @@ pub trait Controller {
     fn finished(&self) -> bool;
 }
 
-/// No controller: [`Controller::Plan`] has no value, so no such run can be ordered.
+/// No controller: [`PositionController::Plan`] has no value, so no such run can be ordered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoController;
 
-impl Controller for NoController {
+impl PositionController for NoController {
     type Plan = core::convert::Infallible;
 
     fn start(&mut self, plan: &Self::Plan, _: i32) {

@@ -24,7 +24,7 @@ mod track;
 
 pub use accumulate::{Accumulation, SineConfig, Sums};
 pub use channels::{AppEnd, Channels, Order, SAMPLE_QUEUE, TickEnd, TickEvent};
-pub use control::{Controller, NoController};
+pub use control::{NoController, PositionController};
 pub use excite::Excitation;
 pub use guard::Guards;
 pub use memory::remember_panic;

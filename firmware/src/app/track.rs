@@ -1,8 +1,8 @@
 //! Track and Hold: the controllers of [`breakaway_core::control`] along a trajectory, in f32 or, on a core without an FPU, in Q32.
 
-use breakaway_core::control::{Controller as Law, ControllerState, Fast, Profile, Setpoint, Sine};
+use breakaway_core::control::{Controller, ControllerState, Fast, Profile, Setpoint, Sine};
 
-use super::control::Controller;
+use super::control::PositionController;
 
 /// A reference relative to the start, position units.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ impl<R: Fast> Path<R> {
 #[derive(Clone, Copy, Debug)]
 pub struct TrackPlan<R = f32> {
     /// Who follows.
-    pub law: Law<R>,
+    pub law: Controller<R>,
     /// What.
     pub path: Path<R>,
     /// Position units per count.
@@ -105,7 +105,7 @@ impl<R> Default for TrackController<R> {
     }
 }
 
-impl<R: Fast> Controller for TrackController<R> {
+impl<R: Fast> PositionController for TrackController<R> {
     type Plan = TrackPlan<R>;
 
     fn start(&mut self, plan: &TrackPlan<R>, count: i32) {

@@ -5,8 +5,8 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_core::link::{
-        Adaptive, Bounds, Command, Controller, ErrorRate, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference, Relay,
-        Request, Settings, Track, Trajectory, encode,
+        Adaptive, Bounds, Command, ControllerGains, ErrorRate, FULL_SCALE_CODE, MAX_FRAME, Mode, Model, Reference,
+        Relay, Request, Settings, Track, Trajectory, encode,
     };
     use breakaway_firmware::app::{
         App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
@@ -124,7 +124,7 @@ mod image {
     fn adaptive() -> Command {
         Command::StartTrack(Track {
             trajectory: Trajectory::Sine { amplitude: 1.0, period_s: 2.0 },
-            controller: Controller::Adaptive(Adaptive {
+            controller: ControllerGains::Adaptive(Adaptive {
                 kv: 50.0,
                 lambda1: 100.0,
                 lambda2: 50.0,

@@ -1,5 +1,5 @@
-//! The tick alone, with its controllers in fixed point, for a core without an FPU: `cargo xtask budget` builds it and proves from the
-//! linked file that nothing in it computes in floating point or can panic.
+//! The tick alone, with its controllers in fixed point, for a core without an FPU. `cargo xtask budget` builds it.
+//! The linked file proves that nothing in it computes in floating point or can panic.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

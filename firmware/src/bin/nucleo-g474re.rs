@@ -5,7 +5,8 @@
 mod image {
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{
-        App, Channels, Controller, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
+        App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
+        remember_panic,
     };
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::nucleo_g474re::{
@@ -21,7 +22,7 @@ mod image {
 
     type BoardApp = App<'static, 'static, TrackController, Serial, FlashStore<SettingsFlash>>;
     type BoardTick = Tick<'static, 'static, Nucleo, TrackController>;
-    type BoardChannels = Channels<'static, <TrackController as Controller>::Plan>;
+    type BoardChannels = Channels<'static, <TrackController as PositionController>::Plan>;
 
     static TICK: TickSlot<BoardTick> = TickSlot::empty();
 

@@ -58,7 +58,7 @@ mod image {
         let wanted = law.drive(state, Setpoint { x: reference, v: 0.0, a: 0.0 }, x);
         let applied = wanted.clamp(-law.limit(), law.limit());
         if applied == wanted {
-            law.learn(state)
+            law.update(state)
         } else {
             law.cut(state, applied - wanted)
         }

@@ -4,8 +4,8 @@
 //!   [`Retained`] through a reset.
 //! - To the thread beside it, a [`Wire`] for the link and a flash (`embedded_storage::nor_flash`).
 //!
-//! PWM and pins are those of embedded-hal 1.0, so that any HAL's types fit; it has no traits for encoders and
-//! clocks, so these are our own. A board file implements them and a `bin/` ties them together: it makes the
+//! PWM and pins are those of embedded-hal 1.0, so that any HAL's types fit. It has no traits for encoders and clocks,
+//! so these are our own. A board file implements them and a `bin/` ties them together: it makes the
 //! [`crate::app::Channels`], gives one end to the tick's interrupt and the other to the thread.
 
 mod clock;
@@ -31,8 +31,8 @@ pub use protection::{Protection, RETAINED_WORDS, Retained, Trip};
 pub use sign_magnitude::{ConfigError, DriveError, Limits, SignMagnitude};
 pub use wire::Wire;
 
-/// All that the tick needs. A struct with these five fields and five getters is enough; what implements all five itself,
-/// as the virtual board does, is a board as it is.
+/// All that the tick needs. A struct with these five fields and five getters is enough. A type that implements all
+/// five itself, as the virtual board's does, is a board as it is.
 pub trait Board {
     /// Position.
     type Encoder: Encoder;

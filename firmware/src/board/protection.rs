@@ -26,8 +26,8 @@ pub trait Protection {
         false
     }
 
-    /// Feeds the watchdog. Called only at the end of a tick that was completed in time; a board whose ticks stop is
-    /// reset by its watchdog, and a reset switches the power stage off.
+    /// Feeds the watchdog. Called only at the end of a tick that was completed in time. Where ticks stop, the
+    /// watchdog resets the board, and a reset switches the power stage off.
     fn feed_watchdog(&mut self);
 }
 

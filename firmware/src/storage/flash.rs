@@ -1,9 +1,10 @@
 //! The store on a NOR flash: two erase pages that take turns.
 //!
-//! A page holds one record: `mark ‖ version ‖ length ‖ sequence ‖ settings and model (postcard) ‖ CRC-32 of all behind the
-//! mark`, numbers little endian. A save writes the whole record to the page that is not in force, reads it back, and
-//! only then programs the other page's mark, which puts that out of force; it is erased by the next save. So
-//! - a power cut leaves the record from before, or the new one: of two in force the one of the later sequence number
+//! A page holds one record:
+//! `mark ‖ version ‖ length ‖ sequence ‖ settings and model (postcard) ‖ CRC-32 of all behind the mark`, numbers
+//! little endian. A save writes the whole record to the page that is not in force, and reads it back. Only then it
+//! programs the other page's mark, which puts that out of force. The next save erases it. So
+//! - a power cut leaves the record from before, or the new one. Of two in force the one of the later sequence number
 //!   counts, and reading them marks the other;
 //! - a record that is damaged later has none beside it that could pass for it: it is lost, and said to be.
 

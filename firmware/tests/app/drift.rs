@@ -28,8 +28,8 @@ fn mismatches(bench: &Bench) -> Vec<Mismatch> {
     found.collect()
 }
 
-/// Friction 30 % up in the middle of a run is told within 2 s, as the core's own watch finds it (docs/control.md), as
-/// resistance; 30 % down as ease.
+/// Friction 30 % up in the middle of a run is reported within 2 s as resistance, as by the core's own watch
+/// (docs/control.md). 30 % down is reported as ease.
 #[test]
 fn a_change_of_friction_is_told_within_two_seconds() {
     for (factor, sign) in [(1.3, -1.0), (0.7, 1.0)] {

@@ -5,7 +5,7 @@ use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
-use breakaway_firmware::app::{Channels, Controller, Guards, RunOrder, Tick, TickSettings, remember_panic};
+use breakaway_firmware::app::{Channels, Guards, PositionController, RunOrder, Tick, TickSettings, remember_panic};
 use breakaway_firmware::board::Trip;
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
@@ -65,8 +65,8 @@ fn a_dead_channel_of_the_encoder() {
         world.dead_channel = Some((world.plant.state.x / 1e-3) as i32);
     });
     assert_eq!((record.value, record.limit), (200, 200));
-    // Dead from the start, under a controller: from the error on at which the drive is frozen_drive_code, a quarter of a turn
-    // of the sine at the most.
+    // Dead from the start, under a controller. It shows from the error on at which the drive is frozen_drive_code, a
+    // quarter of a turn of the sine at the most.
     let mut bench = Bench::new();
     bench.world.0.borrow_mut().dead_channel = Some(0);
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
@@ -76,8 +76,8 @@ fn a_dead_channel_of_the_encoder() {
     assert!(!bench.world.0.borrow().enabled);
 }
 
-/// A frozen encoder under a drive that changes its sign in less than `frozen_ticks`: the drive of a sine of 5 Hz is at
-/// frozen_drive_code for two thirds of its 200 ticks, never for 200 in a row.
+/// A frozen encoder under a drive that changes its sign in less than `frozen_ticks`. The drive of a sine of 5 Hz is
+/// at frozen_drive_code for two thirds of its 200 ticks, never for 200 in a row.
 #[test]
 fn a_frozen_encoder_under_an_alternating_drive() {
     let mut bench = Bench::new();
@@ -359,7 +359,7 @@ fn a_watchdog_and_a_panic_are_told_after_the_reset() {
 /// A controller that is no longer finite says so by `None`, from its third tick on here.
 struct Lost(u32);
 
-impl Controller for Lost {
+impl PositionController for Lost {
     type Plan = ();
     fn start(&mut self, (): &(), _: i32) {}
     fn tick(&mut self, _: i32) -> Option<(i32, i32)> {

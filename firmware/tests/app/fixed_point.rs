@@ -16,8 +16,9 @@ fn differences(a: &[Sample], b: &[Sample]) -> (i32, i32, f64) {
     (most(|sample| sample.reference), most(|sample| sample.count), (squares / a.len() as f64).sqrt())
 }
 
-/// Q32 follows as f32 does: the reference is the same to the count that a rounding tips over; the position to three, because an
-/// encoder's step that falls a tick later makes another drive for as long as the filter lasts; the error's rms to a tenth.
+/// Q32 follows as f32 does. The reference is the same to one count, which a rounding may tip over. The position is
+/// the same to three, because an encoder's step a tick later makes another drive for as long as the filter lasts. The
+/// error's rms is the same to a tenth.
 #[test]
 fn fixed_point_follows_as_floating_point_does() {
     let triangle = Trajectory::Triangle { amplitude: 0.5, period_s: 2.0 };

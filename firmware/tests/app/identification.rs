@@ -2,7 +2,7 @@
 
 use breakaway_core::estimate::modulating::{Block, Modulating, estimate};
 use breakaway_core::estimate::sine::{BlockSums, StreamingSine};
-use breakaway_core::link::{Command, CommandError, Ending, Mode, Reply, Sample, Verdict};
+use breakaway_core::link::{Command, CommandError, Ending, IdentificationVerdict, Mode, Reply, Sample};
 use breakaway_rig::{FULL_SCALE, STEP, relay};
 
 use crate::bench::{Bench, PLANT};
@@ -27,7 +27,7 @@ fn the_board_finds_the_plant_by_itself() {
     let mut bench = Bench::new();
     assert_eq!(bench.command(Command::Identify), Reply::Error(CommandError::NothingRecorded));
     let (found, _) = identified(&mut bench);
-    assert_eq!(found.verdict, Verdict::Determined);
+    assert_eq!(found.verdict, IdentificationVerdict::Determined);
     // Acceptance row 10 with its encoder (tests/tests/all/acceptance/mod.rs): b 1 %, c 0.5 %, f1 1 %.
     for (name, got, truth, allowed) in
         [("b", found.b, PLANT.b, 0.01), ("c", found.c, PLANT.c, 0.005), ("f1", found.f1, PLANT.f1, 0.01)]
@@ -38,8 +38,8 @@ fn the_board_finds_the_plant_by_itself() {
     }
 }
 
-/// The same estimator, run by the host over the samples that came down the link: it sums them in f32 as the board does and
-/// solves in f64, where the board solves in f32.
+/// The same estimator, run by the host over the samples that came down the link. It sums them in f32 as the board
+/// does and solves in f64, where the board solves in f32.
 #[test]
 fn host_and_board_agree_on_the_same_samples() {
     let mut bench = Bench::new();

@@ -2,8 +2,8 @@
 
 use breakaway_core::control::{Compensator, Fast, Profile, Sine, lead_s, tune};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, CommandError, Controller, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field, Mode,
-    Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
+    Adaptive, Bounds, Command, CommandError, ControllerGains, Ending, ErrorRate, FULL_SCALE_CODE, FaultCause, Field,
+    Mode, Model, Pid, Reply, Sample, Settings, Track, Trajectory, WireEffect,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
 use breakaway_core::scalar::Q32;
@@ -21,16 +21,16 @@ pub fn model() -> Model {
 const TWO_TICKS: ErrorRate = ErrorRate { filter_s: 2e-3, observer_rad_s: 0.0 };
 
 /// A PID for 8 Hz of bandwidth.
-pub fn pid() -> Controller {
+pub fn pid() -> ControllerGains {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
     let kd = gains.b * gains.kv;
     let (kp, ki, kd) = ((kd * gains.lambda2) as f32, (kd * gains.lambda1) as f32, kd as f32);
-    Controller::Pid(Pid { kp, ki, kd, error_rate: TWO_TICKS })
+    ControllerGains::Pid(Pid { kp, ki, kd, error_rate: TWO_TICKS })
 }
 
-pub fn adaptive() -> Controller {
+pub fn adaptive() -> ControllerGains {
     let gains = tune(PLANT.b, PLANT.c, 8.0, 1e-3, 1).unwrap();
-    Controller::Adaptive(Adaptive {
+    ControllerGains::Adaptive(Adaptive {
         kv: gains.kv as f32,
         lambda1: gains.lambda1 as f32,
         lambda2: gains.lambda2 as f32,
@@ -40,7 +40,7 @@ pub fn adaptive() -> Controller {
     })
 }
 
-pub fn track(trajectory: Trajectory, controller: Controller, compensation: bool) -> Command {
+pub fn track(trajectory: Trajectory, controller: ControllerGains, compensation: bool) -> Command {
     let bounds = Bounds { max_ticks: 4000, ..Bounds::default() };
     Command::StartTrack(Track { trajectory, controller, feed_forward: compensation, compensation, bounds })
 }
@@ -78,8 +78,8 @@ fn compensates<R: Fast>() {
     assert!(with < 0.3 * without, "with compensation {with}, without {without}");
 }
 
-/// Cogging stays where it is when a run begins elsewhere: 1.3 rad on, compensation counted from the start would be off
-/// by 1.3·7 rad = 1.45 turns, and almost double it.
+/// Cogging stays where it is when a run begins elsewhere. 1.3 rad on, compensation counted from the start would be
+/// off by 1.3·7 rad = 1.45 turns, and almost double it.
 #[test]
 fn cogging_is_compensated_where_the_axis_is() {
     let effect = Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5]);
@@ -103,9 +103,9 @@ fn cogging_is_compensated_where_the_axis_is() {
     assert!(elsewhere < 1.5 * at_zero && elsewhere < 0.5 * without, "{errors:?}");
 }
 
-/// The drive of a reading acts half a tick later on average, and is the model's there, by the host's own compensator: at
-/// 2π rad/s half a millisecond is 36° of a cogging of 200 per radian. At the first tick there is no error yet: all of the drive is
-/// feed-forward.
+/// The drive of a reading acts half a tick later on average, and is the model's there, by the host's own compensator.
+/// At 2π rad/s half a millisecond is 36° of a cogging of 200 per radian. At the first tick there is no error yet: all
+/// of the drive is feed-forward.
 #[test]
 fn the_board_looks_as_far_ahead_as_the_host() {
     let effect = Effect::new(Kind::Cogging, &[0.2, 200.0, 0.0]);
@@ -159,22 +159,22 @@ fn holds_and_moves<R: Fast>() {
 #[test]
 fn gains_past_the_sampled_loop_and_a_missing_model_are_refused() {
     let mut bench = Bench::new();
-    let wild = Controller::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0, error_rate: TWO_TICKS });
+    let wild = ControllerGains::Pid(Pid { kp: 50.0, ki: 0.0, kd: 50.0, error_rate: TWO_TICKS });
     let refused = |field| Reply::Error(CommandError::Range(field));
     assert_eq!(bench.command(track(SINE, pid(), false)), refused(Field::B));
     assert_eq!(bench.command(Command::LoadModel(model())), Reply::Done);
     assert_eq!(bench.command(track(SINE, wild, false)), refused(Field::Kd));
     // Half of what a count of 1 mrad makes in a filter of 2 ticks of 1 ms is 0.167 rad/s.
-    let Controller::Adaptive(law) = adaptive() else { panic!() };
-    let with = |delta| track(SINE, Controller::Adaptive(Adaptive { delta, ..law }), false);
+    let ControllerGains::Adaptive(law) = adaptive() else { panic!() };
+    let with = |delta| track(SINE, ControllerGains::Adaptive(Adaptive { delta, ..law }), false);
     assert_eq!(bench.command(with(0.16)), refused(Field::Delta));
     assert_eq!(bench.command(with(0.167)), Reply::Done);
     assert_eq!(bench.command(Command::Stop), Reply::Done);
     assert_eq!(bench.status().mode, Mode::Idle);
 }
 
-/// An S-curve of 2 rad within 1.5 rad/s, 8 rad/s² and 100 rad/s³, there and back with rests of 0.2 s: the reference is that
-/// of the limits, to the count it is rounded to and one that f32 may tip over.
+/// An S-curve of 2 rad within 1.5 rad/s, 8 rad/s² and 100 rad/s³, there and back with rests of 0.2 s. The reference
+/// is that of the limits, to the count it is rounded to and one that f32 may tip over.
 #[test]
 fn an_s_curve_is_the_one_of_its_limits() {
     let limits = (2.0, 1.5, 8.0, 100.0, 1e-3);
@@ -224,9 +224,10 @@ fn no_controller_runs_on_a_reversed_encoder() {
     }
 }
 
-/// A step that the drive cannot follow, where the run's bound is a fifth of what the settings allow: the integral goes back by what the
-/// limit in force cuts off, and the step arrives without overshoot, as where the settings say so. (It overshot by 17 counts of 1000
-/// where the integral was frozen, and by 58 where it was frozen for the settings' limit alone.)
+/// A step that the drive cannot follow, with a run's bound of a fifth of the settings'. The integral goes back by
+/// what the limit in force cuts off. The step arrives without overshoot, as with a limit in the settings. (It
+/// overshot by 17 counts of 1000 where the integral was frozen, and by 58 where it was frozen for the settings' limit
+/// alone.)
 #[test]
 fn the_integral_goes_back_by_what_the_limit_cuts_off() {
     let overshoot = |settings_code: i16, bound: i16| {

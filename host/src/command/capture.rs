@@ -28,11 +28,11 @@ const REDRAW: Duration = Duration::from_millis(200);
   breakaway capture --port /dev/ttyACM0 --seconds 10 --decimation 10 -o recording.csv
 
 Ctrl-C ends the capture and closes the file properly. Until then the samples are in REC.csv.part, which is a valid
-recording at every moment. Samples that are lost on the way are counted and never filled in: the header's `gaps` names
-the rows before which some are missing, and the estimators cut the recording there.
+recording at every moment. Lost samples are counted and never filled in. The header's `gaps` names
+the rows before which samples are missing, and the estimators cut the recording there.
 
-If the board is unplugged, what was received until then is in REC.csv and the exit code is 1; with --wait the command
-waits for the port to appear before it starts.
+If the board is unplugged, REC.csv has the samples until then, and the exit code is 1. With --wait the command waits
+for the port to appear before it starts.
 
 JSON: recording, samples, seconds, rate_hz, missing, gaps, dropped_on_board, lost_frames, damaged_frames, ended.")]
 pub struct Args {

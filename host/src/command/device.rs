@@ -27,8 +27,8 @@ use crate::model::Model;
   breakaway device --port /dev/ttyACM0 home --drive=-1.2 --at=-0.5
   breakaway device --port /dev/ttyACM0 fault
 
-What is set or loaded holds until the next reset; `save` keeps it across resets. Where the axis stands is not kept: a board
-with travel limits of its own in flash runs nothing but `home` and `jog` before it is homed or zeroed.")]
+Settings and model hold until the next reset; `save` keeps them across resets. The position of the axis is not kept.
+After a reset, a board with saved travel limits therefore runs only `home` and `jog` until it is homed or zeroed.")]
 pub struct Args {
     /// The board.
     #[command(flatten)]

@@ -30,11 +30,11 @@ use crate::report::json;
 
 Without --model the base model is identified first. Without --holdout the last third of every recording is held out.
 
---fleet works on many machines side by side: DIR holds one folder per machine with fit/*.csv and score/*.csv (as `breakaway
-run suite` writes them) or *.csv, and base.toml or model.toml if there is a model to start from. The folder of -o gets
-MACHINE/improved.toml, report.html and result.json, and over all of them summary.csv and summary.html. A machine whose
-result is there, from the same files, options and version, is skipped. A machine that fails has a row
-with the reason, and the exit code is then 1.
+--fleet works on many machines side by side. DIR holds one folder per machine, with fit/*.csv and score/*.csv (as
+`breakaway run suite` writes them) or with *.csv. A model to start from is base.toml or model.toml. The folder of -o gets
+MACHINE/improved.toml, report.html and result.json, and over all machines summary.csv and summary.html. A machine is
+skipped if its result is there, from the same files, options and version. A machine that fails has a row with the reason,
+and the exit code is then 1.
 
 JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.
 JSON of --fleet: machines (machine, verdict, effects, tied, shrink, noise_factor, noise_floor, base, seconds, skipped,
@@ -197,7 +197,7 @@ fn in_words(found: &Discovery) -> String {
             rung.fit_rmse, rung.holdout_rmse, rung.holdout_open_loop_rmse
         );
     }
-    text.push_str("\nwhere the gap lives (share of the residual force explained, before and after):\n");
+    text.push_str("\nwhere the gap is (share of the residual force explained, before and after):\n");
     for row in found.where_map.iter().take(5) {
         let _ = writeln!(text, "  {:<26} {:>5.1} %  {:>5.1} %", row.coordinate, 100.0 * row.r2, 100.0 * row.r2_after);
     }

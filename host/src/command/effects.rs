@@ -21,9 +21,11 @@ pub use page::page;
   breakaway effects
   breakaway effects stribeck
 
-In units, U stands for the drive's unit and X for the position's. JSON: effects, a list of name, title, law, acts_in, parameters
-(symbol, role, unit, meaning, min, max, default), shown_by, confused_with, generalises, excludes and residue (lists of
-name and why), repeats, needs_angle, phase_per_recording, shared_clock, compensation (null where there is none).")]
+In units, U stands for the drive's unit and X for the position's.
+
+JSON: effects, a list of name, title, law, acts_in, parameters (symbol, role, unit, meaning, min, max,
+default), shown_by, confused_with, generalises, excludes and residue (lists of name and why), repeats, needs_angle,
+phase_per_recording, shared_clock, compensation (null where there is none).")]
 pub struct Args {
     /// One effect, by its name in the catalogue; all of them without it
     #[arg(value_name = "NAME")]

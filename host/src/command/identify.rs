@@ -110,7 +110,8 @@ impl HeldOut {
 }
 
 impl Document {
-    fn new(result: &Identification, units: &Units) -> Self {
+    fn new(result: &Identification, units: &Units, left_out: Vec<String>) -> Self {
+        let remarks = result.remarks.iter().map(ToString::to_string).chain(left_out);
         let best = Row::new(&result.best, units);
         Self {
             b: best.b,
@@ -135,7 +136,7 @@ impl Document {
             white: result.white,
             simulation_error: result.simulation_error,
             residual_correlation: result.residual_correlation,
-            remarks: result.remarks.iter().cloned().chain(result.gravity.iter().map(choice::gravity)).collect(),
+            remarks: remarks.chain(result.gravity.iter().map(choice::gravity)).collect(),
         }
     }
 }
@@ -150,14 +151,13 @@ impl Args {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
         let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
-        let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
-        result.remarks.extend(remarks);
+        let result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
         let units = recordings[0].units.clone();
         if let Some(target) = &self.output {
             let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
             target.write_text(&model(&result, &units, &names)?.to_toml())?;
         }
-        output.print(&Document::new(&result, &units), table)
+        output.print(&Document::new(&result, &units, remarks), table)
     }
 }
 

@@ -29,9 +29,10 @@ use crate::report::tracking;
   breakaway track --model identified.toml --plant true.toml --reference trapezoid:2,4,40 -o runs
   breakaway track --model discovered.toml --port /dev/ttyACM0 --reference sine:1,0.1 --report track.html
 
-The controller is the one that runs on the board, in its number type (f32). Four runs are compared: the PID alone; the PID
-with the base model (b, c, f1) compensated; the PID with the whole model compensated, if it has effects; the adaptive
-law. The simulated plant is --plant, or the model itself. Errors are against the true position, from --settle on.
+The controller is the one that runs on the board, in its number type (f32). Four runs are compared. The first has the
+PID alone, the second the PID with the base model (b, c, f1) compensated. The third compensates the whole model, if it has
+effects, and the fourth is the adaptive law. The simulated plant is --plant, or the model itself. Errors are against the
+true position, from --settle on.
 
 A reference from a file must be smooth, because its second difference is the acceleration that is compensated. The
 positions of a recorded encoder are not smooth.

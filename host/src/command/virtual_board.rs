@@ -18,10 +18,10 @@ use crate::model::Model;
   breakaway virtual-board --plant plant.toml
   breakaway run suite --port PORT -o session        (PORT as printed, in another terminal)
 
-It runs until Ctrl-C. Needs the firmware's image and qemu-system-arm: cargo xtask image builds the one and fetches the
-other; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant it simulates the reference plant of docs/theory.md, section 2. The board's
-settings start as the options say: encoder step, drive at full scale, units of the plant; with --flash they are kept as
-on a real board.
+It runs until Ctrl-C. It needs the firmware's image and qemu-system-arm. `cargo xtask image` builds the image and fetches
+QEMU; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant it simulates the reference plant of docs/theory.md,
+section 2. The options set the board's settings: encoder step, drive at full scale, units of the plant. With --flash the
+settings are kept, as on a real board.
 
 Faults for tests: --inject TICK:FAULT, FAULT one of encoder-frozen, encoder-channel-dead, encoder-reversed,
 encoder-jump=COUNTS, encoder-dead, tick-late=US,
@@ -121,8 +121,8 @@ impl Args {
 /// No machine runs the board faster than this, virtual over real time (6 is usual).
 const FASTEST: f64 = 20.0;
 
-/// The link's time-out on a board whose clock runs `speed` times as fast as its host's: the same in the host's time, as a
-/// client says that it is there every 0.2 s of that.
+/// The link's time-out on a board whose clock runs `speed` times as fast as its host's. It is the same in the host's
+/// time, because a client sends a sign of life every 0.2 s of that.
 fn timeout_ms(default_ms: u32, speed: f64) -> u32 {
     (f64::from(default_ms) * speed.clamp(1.0, FASTEST)).ceil() as u32
 }

@@ -39,20 +39,20 @@ const LEAST_SHARE: f64 = 1e-3;
 /// How fast the adaptive law adapts by default, rad/s: a change of friction is learnt in a minute or two.
 pub const DEFAULT_ADAPTATION_RATE: f64 = 5.0;
 
-/// Share of the other rates with which b̂ adapts: noise of ė makes it rise (−u_c·s_Δ holds Kv·s·s_Δ), and of the
-/// parameters the inertia is the one that heat and wear do not change.
+/// Share of the other rates with which b̂ adapts. Noise of ė makes b̂ rise (−u_c·s_Δ holds Kv·s·s_Δ), and heat and
+/// wear do not change the inertia.
 const RATE_OF_B: f64 = 0.1;
 
-/// The motion in which inertia and damping each need as much drive as Coulomb friction: speed f1/c, at most what f1
-/// gives the inertia in a second, and acceleration f1/b. Without friction 10 X/s and 100 X/s².
+/// The motion in which inertia and damping each need as much drive as Coulomb friction. Its speed is f1/c, at most
+/// what f1 gives the inertia in a second; its acceleration is f1/b. Without friction 10 X/s and 100 X/s².
 pub fn usual_motion(base: &Base<f64>) -> (f64, f64) {
     let Base { b, c, f1 } = *base;
     if f1 > 0.0 { ((f1 / c).min(f1 / b), f1 / b) } else { (10.0, 100.0) }
 }
 
-/// What one count may make of the drive: twice what the expected motion needs, within these shares of the drive's limit. Counts
-/// come one after the other and not on top of each other: the rms of what they make is then about a seventh of that, which adds
-/// less than a tenth to the drive's rms (docs/control.md, section "The encoder").
+/// What one count may make of the drive: twice what the expected motion needs, within these shares of the drive's
+/// limit. Counts come one after the other, not at once. The rms of the drive that they make is then about a seventh
+/// of that. It adds less than a tenth to the drive's rms (docs/control.md, section "The encoder").
 const DRIVE_OF_COUNT: f64 = 2.0;
 /// Least and most of the drive's limit: what is less is no harm, whatever the friction; what is more would saturate.
 const SHARE_OF_LIMIT: [f64; 2] = [0.125, 0.5];

@@ -1,8 +1,8 @@
 //! Samples to a recording, safe at every moment.
 //!
-//! While it grows it is `FILE.part`, a valid recording after every batch; [`Capture::finish`] puts the header with the
-//! gaps in front and moves it to `FILE` in one step. What ends the capture (Ctrl-C, unplugging, even a kill) does not
-//! cost what was received before.
+//! While it grows it is `FILE.part`, a valid recording after every batch. [`Capture::finish`] puts the header with
+//! the gaps in front and moves it to `FILE` in one step. What ends the capture (Ctrl-C, unplugging, even a kill) does
+//! not cost what was received before.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};

@@ -53,7 +53,7 @@ pub enum DeviceError {
     },
     /// Something came back, but nothing that could be read.
     #[error(
-        "{port}: {bytes} bytes came, and no readable frame among them: the baud rate is wrong (tried {baud}, the firmware's own is {BAUD}; see --baud), or this is no breakaway board"
+        "{port}: {bytes} bytes came, and no readable frame among them. The baud rate is wrong (tried {baud}, the firmware's own is {BAUD}; see --baud), or this is no breakaway board"
     )]
     Garbage {
         /// The port.
@@ -147,7 +147,7 @@ pub enum DeviceError {
     #[error("{0}")]
     Ended(String),
     /// Ctrl-C.
-    #[error("stopped by Ctrl-C; the board was told to stop")]
+    #[error("stopped by Ctrl-C; a stop was sent to the board")]
     Interrupted,
     /// The experiment.
     #[error(transparent)]

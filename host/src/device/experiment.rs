@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use breakaway_core::excite::waveform::Shape;
 use breakaway_core::link::{
-    Bounds, Command, Controller, Ended, Ending, ErrorRate, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid,
+    Bounds, Command, ControllerGains, Ended, Ending, ErrorRate, Event, Info, Message, Mismatch, Mode, OpenLoop, Pid,
     Reference, Relay, Reply, Settings, Track, Trajectory,
 };
 
@@ -333,7 +333,7 @@ pub fn commands(experiment: &Experiment, scale: &Scale) -> Result<Vec<Command>, 
         }),
         Excitation::Track { kp, kd, reference } => Command::StartTrack(Track {
             trajectory: trajectory(reference),
-            controller: Controller::Pid(Pid {
+            controller: ControllerGains::Pid(Pid {
                 kp: kp as f32,
                 ki: 0.0,
                 kd: kd as f32,
@@ -373,8 +373,8 @@ fn trajectory(reference: experiment::Reference) -> Trajectory {
     }
 }
 
-/// Filter of ė for a loop with these gains, s: an eighth of 1/ωc, as `tune` has it, where the zero kp/kd is at ωc/2; at least two
-/// ticks, because a count is no position.
+/// Filter of ė for a loop with these gains, s. It is an eighth of 1/ωc, as in `tune`, and the zero kp/kd is at ωc/2.
+/// It is at least two ticks, because a count is coarse.
 fn filter_s(kp: f64, kd: f64, tick_s: f64) -> f64 {
     let eighth = if kp > 0.0 { kd / (16.0 * kp) } else { 0.0 };
     eighth.max(2.0 * tick_s)

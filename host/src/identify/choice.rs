@@ -65,8 +65,8 @@ pub(super) fn compare(problem: &Problem<'_>, windows: &[Window], both: bool) -> 
     held_out::compare(problem, &blocks, &models)
 }
 
-/// Chooses. Without a difference beyond chance the simulation is reported if it follows the recording down to its noise, since it is
-/// the more precise then, and the weak form if not.
+/// Chooses. Without a difference beyond chance, the simulation is reported if it follows the recording down to its
+/// noise, because it is then more precise. Otherwise the weak form is.
 pub(super) fn choose(comparison: Option<Comparison>, white: bool) -> Choice {
     let [weak, simulated] = [WEAK_FORM, OUTPUT_ERROR];
     let tied = if white { simulated } else { weak };

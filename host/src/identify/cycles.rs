@@ -1,14 +1,14 @@
 //! Relay limit cycles among the recordings: what the streaming estimators of the board make of them.
 //!
 //! `modulating` and `describing_function` (docs/theory.md, section 4, items 4 and 3) stand beside the host's own
-//! estimates: the first is what a board reports, the second the closed form with its known bias.
+//! estimates. The first is what a board reports, the second the closed form with its known bias.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, describing_function};
 use breakaway_core::estimate::modulating::{Block, Modulating, Refusal, estimate};
 
-use super::estimate::{ModelEstimate, Value};
+use super::estimate::{ModelEstimate, Remark, Value};
 use crate::fit::{Track, median};
 use crate::recording::{Recording, Signal};
 use crate::sine;
@@ -26,7 +26,7 @@ pub struct CycleEstimates {
     /// `modulating` and `describing_function`, where they apply.
     pub estimates: Vec<ModelEstimate>,
     /// Refusals, with the experiment that would help.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 /// An evenly sampled recording under a relay.
@@ -50,12 +50,15 @@ pub fn estimates(recordings: &[Recording], tracks: &[Track]) -> CycleEstimates {
     }
     match modulating(&relays) {
         Ok(estimate) => found.estimates.push(estimate),
-        Err(refusal) => found.remarks.push(format!("modulating: {}", refusal.advice())),
+        Err(refusal) => found.remarks.push(Remark::Refused { estimator: "modulating", advice: refusal.advice() }),
     }
     let cycles: Vec<CycleFit<f64>> = relays.iter().filter_map(Relay::cycle).collect();
     match describing(&cycles) {
         Ok(estimate) => found.estimates.push(estimate),
-        Err(error) => found.remarks.push(format!("describing_function: {}", advice(error, cycles.len()))),
+        Err(error) => {
+            let advice = advice(error, cycles.len());
+            found.remarks.push(Remark::Refused { estimator: "describing_function", advice });
+        }
     }
     found
 }
@@ -130,8 +133,8 @@ impl<'a> Relay<'a> {
         })
     }
 
-    /// h1 and h2 from the levels h1 + h2 and |h1 − h2|: the relay on the error drives against the position, the one on
-    /// its integral with the velocity, so the fundamental of u says which of the two is larger.
+    /// h1 and h2 from the levels h1 + h2 and |h1 − h2|. The relay on the error drives against the position, the one
+    /// on its integral with the velocity. So the fundamental of u shows which of the two is larger.
     fn amplitudes(&self, omega: f64, phase: f64) -> Option<(f64, f64)> {
         let sum = *self.levels.first()?;
         let difference = match self.levels[..] {
@@ -176,7 +179,7 @@ impl<'a> Relay<'a> {
     }
 }
 
-/// Samples per period, from the drive's changes of sign upwards in the second half of the record; `None` if there are
+/// Samples per period, from the drive's changes of sign upwards in the second half of the record. `None` if there are
 /// fewer than three periods or they are not steady.
 fn switching_period(u: &[f64]) -> Option<f64> {
     let mut last = 0.0;

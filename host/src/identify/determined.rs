@@ -21,7 +21,7 @@ pub(super) fn weakly_determined(estimate: &ModelEstimate, undetermined: &mut Vec
             undetermined.push(Undetermined {
                 parameter,
                 advice: format!(
-                    "{:.3e} ± {:.1e} is not told from zero or from the other terms: {advice}",
+                    "{:.3e} ± {:.1e} does not differ from zero, or not from the other terms, beyond its error: {advice}",
                     value.value, value.se
                 ),
             });

@@ -8,9 +8,9 @@ pub enum IdentifyError {
     Nothing,
     /// The axis does not move, or too briefly.
     #[error(
-        "the recordings hold too little motion to identify from ({windows} windows in motion, at least 12 are needed): \
-         drive the axis harder or record for longer; a relay experiment with h2 above the break-away force does it. If it did \
-         move, check that --input and --position are not swapped"
+        "the recordings hold too little motion to identify from ({windows} windows in motion, at least 12 are \
+         needed). Drive the axis harder or record for longer; a relay experiment with h2 above the break-away force \
+         is enough. If the axis did move, check that --input and --position are not swapped"
     )]
     TooLittleMotion {
         /// Windows in motion.
@@ -35,8 +35,8 @@ pub enum IdentifyError {
     },
     /// An axis with drive and position in each other's place, and none as they are.
     #[error(
-        "--input and --position seem to be swapped: as they are, {percent:.1} % of the drive stay unexplained; the other way \
-         round {other_percent:.1} %, with a positive inertia and no negative friction"
+        "--input and --position seem to be swapped: as given, {percent:.1} % of the drive stay unexplained. The \
+         other way round {other_percent:.1} % do, with a positive inertia and no negative friction"
     )]
     Swapped {
         /// Root mean square of the drive that is not explained, % of the drive's.
@@ -46,7 +46,8 @@ pub enum IdentifyError {
     },
     /// Friction comes out negative, and the equation of motion explains little of the drive.
     #[error(
-        "this is no motion under this drive: {parameter} comes out negative ({value:.3e}) and {percent:.0} % of the drive \
+        "this drive does not make this motion: {parameter} comes out negative ({value:.3e}) and {percent:.0} % of \
+         the drive \
          stay unexplained. Check that --input and --position are not swapped, and that both columns are of one recording"
     )]
     NegativeFriction {

@@ -19,7 +19,8 @@ pub use super::choice::{Choice, Reason};
 pub use super::error::IdentifyError;
 pub use super::gravity::GravityTrial;
 pub use super::held_out::Comparison;
-pub use super::result::{Identification, ModelEstimate, Undetermined, Value};
+pub use super::remark::Remark;
+pub use super::result::{Identification, ModelEstimate, StartingModel, Undetermined, Value};
 
 /// Share of the drive that even a model with effects missing explains.
 const MOST_UNEXPLAINED: f64 = 0.3;
@@ -44,8 +45,10 @@ pub fn identify(recordings: &[Recording]) -> Result<Identification, IdentifyErro
 ///
 /// # Errors
 /// As [`identify`].
-pub fn starting_model(recordings: &[Recording]) -> Result<Identification, IdentifyError> {
-    Ok(finished(assuming_held(recordings)?.0, recordings))
+pub fn starting_model(recordings: &[Recording]) -> Result<StartingModel, IdentifyError> {
+    let Identification { best, remarks, .. } = finished(assuming_held(recordings)?.0, recordings);
+    let lasting = remarks.iter().filter(|remark| !remark.is_of_a_gap());
+    Ok(StartingModel { best, remarks: lasting.map(Remark::to_string).collect() })
 }
 
 /// With the errors that an unknown drive between rows makes, and the load if it is significant then.
@@ -167,8 +170,8 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identification,
     Ok((identified, Prepared { tracks, windows, both }))
 }
 
-/// Work of the drive on the motion, drive units times position units: friction takes it up, so it is positive, unless drive or
-/// position has the wrong sign.
+/// Work of the drive on the motion, drive units times position units. Friction absorbs it, so it is positive, unless
+/// drive or position has the wrong sign.
 fn work(tracks: &[Track]) -> f64 {
     let of = |track: &Track| {
         let pieces = track.pieces.windows(2).flat_map(|piece| piece[0] + 1..piece[1]);
@@ -177,37 +180,21 @@ fn work(tracks: &[Track]) -> f64 {
     tracks.iter().map(of).sum()
 }
 
-fn remarks(estimates: &[ModelEstimate], white: bool, ratio: f64) -> Vec<String> {
-    let mut remarks = vec![
-        "c is back-EMF and viscous friction together (Ke + f2): they act alike, and position data cannot split them"
-            .into(),
-    ];
-    let differ = if let [weak, simulated] = estimates {
+fn remarks(estimates: &[ModelEstimate], white: bool, noises: f64) -> Vec<Remark> {
+    let mut remarks = vec![Remark::BackEmfInDamping];
+    let mut estimators_differ = false;
+    if let [weak, simulated] = estimates {
         let differ = |a: Value, b: Value| (a.value - b.value).abs() > 3.0 * a.se.hypot(b.se);
-        let differ = differ(weak.b, simulated.b) || differ(weak.c, simulated.c) || differ(weak.f1, simulated.f1);
-        if !differ {
-            remarks.push(format!(
-                "weak_form and output_error agree within their errors; b differs by {:+.1} %",
-                100.0 * (simulated.b.value / weak.b.value - 1.0)
-            ));
+        estimators_differ = differ(weak.b, simulated.b) || differ(weak.c, simulated.c) || differ(weak.f1, simulated.f1);
+        if !estimators_differ {
+            let b_percent = 100.0 * (simulated.b.value / weak.b.value - 1.0);
+            remarks.push(Remark::EstimatorsAgree { b_percent });
         } else if white {
-            remarks.push(
-                "weak_form and output_error differ by more than their errors. The simulation follows the recording down to its \
-                 noise, so the weak form is biased, by noise or by reversals within its windows"
-                    .into(),
-            );
+            remarks.push(Remark::WeakFormIsBiased);
         }
-        differ
-    } else {
-        false
-    };
+    }
     if !white {
-        // One remark, which a discovery replaces by what it finds.
-        let also = if differ { ", and weak_form and output_error differ by more than their errors" } else { "" };
-        remarks.push(format!(
-            "the simulation misses the recording by {ratio:.1} times the noise{also}, so the model misses something; \
-             `breakaway discover` looks for it"
-        ));
+        remarks.push(Remark::ModelMisses { noises, estimators_differ });
     }
     remarks
 }

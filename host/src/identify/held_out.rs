@@ -1,9 +1,9 @@
 //! Prediction of blocks of the recordings that were not fitted, and what two models differ by in it (docs/theory.md, section 5).
 //!
-//! The recordings are cut into contiguous blocks, which belong to two folds in turn. Models are fitted to either fold and
-//! predict the other. A prediction goes [`HORIZON_S`] ahead of a state that was fitted to the samples before: between the 40 ms over
-//! which the weak form balances forces and the 0.4 s over which the simulation follows positions, so that neither estimator
-//! minimises this error on the data that it is fitted to.
+//! The recordings are cut into contiguous blocks, which belong to two folds in turn. Models are fitted to either fold
+//! and predict the other. A prediction goes [`HORIZON_S`] ahead of a state that was fitted to the samples before.
+//! That lies between the 40 ms over which the weak form balances forces and the 0.4 s over which the simulation
+//! follows positions. So neither estimator minimises this error on the data that it is fitted to.
 
 use rayon::prelude::*;
 
@@ -13,9 +13,9 @@ use crate::fit::{Candidate, Problem, SCORE_ITERATIONS, Segment, Track};
 
 /// Length of a block, s: three segments of the simulation's fit, and longer than friction remembers.
 const BLOCK_S: f64 = 1.2;
-/// How far ahead is predicted, and over how long before the state is fitted, s. Together that is 0.1 s, between 40 ms and 0.4 s.
-/// Of the horizons measured (docs/theory.md, section 5) it has the largest share of right choices: a force that is missing adds up
-/// over longer ones, and hides what the parameters are off by.
+/// How far ahead is predicted, and over how long before the state is fitted, s. Together that is 0.1 s, between 40 ms
+/// and 0.4 s. Of the horizons measured (docs/theory.md, section 5) it has the largest share of right choices. Over
+/// longer ones a missing force adds up, and hides the errors of the parameters.
 const HORIZON_S: f64 = 0.05;
 /// Samples of a horizon at the least: two are needed for a state.
 const LEAST_HORIZON: usize = 4;
@@ -23,8 +23,8 @@ const LEAST_HORIZON: usize = 4;
 const MOST_PREDICTED: usize = 60;
 /// Fewest blocks that a paired test is made of.
 const FEWEST: usize = 8;
-/// Student's t from which blocks tell two models apart, by chance once in a hundred times (two-sided): of many blocks, and what is
-/// added over their number less one. It is the tabulated value to 2 % from eight blocks.
+/// Student's t from which two models differ, by chance once in a hundred times (two-sided). It is that of many
+/// blocks, and what is added over their number less one. It is the tabulated value to 2 % from eight blocks.
 const STUDENT: [f64; 2] = [2.58, 6.0];
 
 /// Samples of one piece of a track that are fitted or predicted together.

@@ -10,6 +10,7 @@ mod gravity;
 mod held_out;
 mod output_error;
 pub mod relay;
+mod remark;
 mod result;
 mod slow_log;
 mod swapped;

@@ -14,8 +14,8 @@ use crate::simulate::experiment::{Excitation, Experiment, Reference};
 const TOLERANCES: [f64; 4] = [0.005, 0.01, 0.02, 0.05];
 
 /// No motion though h1 + h2 exceeds the friction.
-const STUCK: &str = "no motion: noise set the relays against each other before the axis had left the hysteresis, and \
-    |h1 − h2| does not break it away; make |h1 − h2| larger than the break-away force, or start again";
+const STUCK: &str = "no motion: noise set the relays against each other before the axis left the hysteresis, and |h1 \
+     − h2| does not break it away. Make |h1 − h2| larger than the break-away force, or start again";
 
 /// A limit cycle's numbers, means over its last three cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -66,8 +66,8 @@ pub enum RelayReport {
     LimitTripped {
         /// `travel`, `error` or `not_finite`; on a board also `speed`, `current`, `mean_drive`.
         limit: &'static str,
-        /// Position relative to the start, position units; where it was not finite, what was measured; for the limits of a
-        /// board, its number (counts/s, mA, drive code).
+        /// Position relative to the start, position units. It is the measured value where that was not finite. For
+        /// the limits of a board it is its number (counts/s, mA, drive code).
         value: f64,
     },
     /// The detector does not apply.
@@ -78,7 +78,7 @@ pub enum RelayReport {
 }
 
 /// How a run ended; `None` for an excitation that is no relay and met no limit. `f1` is the Coulomb friction (or the
-/// break-away force) where it is known: it says whether a limit cycle can exist, and how fast one settles.
+/// break-away force) where it is known. It decides whether a limit cycle can exist, and how fast one settles.
 pub fn ending(run: &Run, experiment: &Experiment, f1: Option<f64>) -> Option<RelayReport> {
     if let Some(value) = run.tripped {
         return Some(RelayReport::LimitTripped { limit: "travel", value });

@@ -2,6 +2,7 @@
 
 use super::choice::Choice;
 use super::gravity::GravityTrial;
+use super::remark::Remark;
 use crate::fit::Fit;
 
 /// A number with its standard error.
@@ -60,8 +61,17 @@ pub struct Identification {
     pub white: bool,
     /// Gravity beside the base, where the position is an angle, the motion covers enough of it, and the model misses something.
     pub gravity: Option<GravityTrial>,
-    /// Remarks for the reader.
-    pub remarks: Vec<String>,
+    /// What is remarked beside the numbers.
+    pub remarks: Vec<Remark>,
     /// The output-error fit.
     pub fit: Option<Fit>,
+}
+
+/// A base model to start a fit from.
+#[derive(Clone, Debug)]
+pub struct StartingModel {
+    /// The estimate.
+    pub best: ModelEstimate,
+    /// Remarks in words, without the one that the base misses something: a discovery says what it misses.
+    pub remarks: Vec<String>,
 }

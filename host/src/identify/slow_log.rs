@@ -5,7 +5,7 @@
 //! drive that goes straight from row to row. Both are tried, and what they differ by is an error that no residual shows.
 
 use super::determined::weakly_determined;
-use super::estimate::{Identification, ModelEstimate, assuming_held};
+use super::estimate::{Identification, ModelEstimate, Remark, assuming_held};
 use super::weak;
 use crate::recording::Recording;
 
@@ -40,12 +40,7 @@ pub(super) fn with_unknown_drive(mut held: Identification, recordings: &[Recordi
     weakly_determined(&held.best, &mut wide);
     wide.retain(|parameter| !named.contains(&parameter.parameter));
     held.undetermined.extend(wide);
-    held.remarks.push(format!(
-        "the drive between two rows is not recorded, and the rows are far apart. Held from row to row or straight between rows, \
-         it gives parameters that differ by up to {:.1} %; the standard errors contain that. Record as many rows per second as \
-         the controller has ticks",
-        100.0 * largest
-    ));
+    held.remarks.push(Remark::DriveBetweenRows { percent: 100.0 * largest });
     held
 }
 

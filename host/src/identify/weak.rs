@@ -5,8 +5,8 @@
 //!
 //! `b·∫φ̈x − c·∫φ̇x + f1·∫φ·sgn v + f0·∫φ = ∫φu`
 //!
-//! The kernels of the sampled x are corrected to be exact on 1, t, t², t³ (or a constant position leaks in as a false
-//! spring), for any sampling instants; u is held from sample to sample and integrated exactly.
+//! The kernels of the sampled x are corrected to be exact on 1, t, t², t³ for any sampling instants. Otherwise a
+//! constant position leaks in as a false spring. u is held from sample to sample and integrated exactly.
 
 use std::sync::Arc;
 
@@ -115,7 +115,7 @@ pub fn windows(tracks: &[Track]) -> Vec<Window> {
     windows_of(tracks, HALF_WIDTH_S, |_, _, _| true)
 }
 
-/// As [`windows`], of another half-width, s (the noise of their force falls as its power −2.5), and only those that are
+/// As [`windows`], of another half-width, s; the noise of their force falls as its power −2.5. Only those that are
 /// wanted, by track, first and last sample.
 pub fn windows_of(tracks: &[Track], half_width_s: f64, wanted: impl Fn(usize, usize, usize) -> bool) -> Vec<Window> {
     let mut all = Vec::new();

@@ -44,8 +44,9 @@ fn power_of_position(parameter: &Parameter) -> i32 {
 mod tests {
     use super::*;
 
-    /// By hand, for 180° in π rad: b, c and their errors per rad are 180/π times those per degree, a drag coefficient its
-    /// square; a wave number is per rad too, a speed is π/180 of the one in °/s, a force is the same.
+    /// For 180° in π rad, computed by hand. b, c and their errors per rad are 180/π times those per degree, and a
+    /// drag coefficient is its square. A wave number is per rad too. A speed is π/180 of the one in °/s, and a force
+    /// is the same.
     #[test]
     fn degrees_become_radians() {
         let text = "[base]\nb = 1.0\nc = 2.0\nf1 = 3.0\n[base.se]\nb = 0.5\n[units]\nu = \"V\"\nx = \"deg\"\n\

@@ -10,9 +10,9 @@ use super::quality::Warning;
 use super::table::Table;
 use super::timing::median_interval;
 
-/// Rates of rows that are believed where no unit is stated, Hz. A servo's motion lasts tenths of seconds, so that fewer rows show
-/// none of it; and no position is read more often than the fastest drives switch. Times of 0.2 to 200 kHz in ms, taken for s,
-/// are below this range; times in s, taken for ms, are above it.
+/// Rates of rows that are believed where no unit is stated, Hz. A servo's motion lasts tenths of seconds, so fewer
+/// rows show none of it. No position is read more often than the fastest drives switch. Times of 0.2 to 200 kHz in
+/// ms, taken for s, are below this range; times in s, taken for ms, are above it.
 const BELIEVED_HZ: (f64, f64) = (5.0, 500e3);
 /// Rates that can be computed with at all, Hz: windows and segments of fixed lengths in s then hold at most 10⁸ rows.
 pub(super) const POSSIBLE_HZ: (f64, f64) = (1e-4, 1e7);
@@ -153,8 +153,8 @@ impl Table {
         if self.t.len() < MIN_ROWS { Err(self.too_short(file)) } else { self.check_rate(file) }
     }
 
-    /// Refuses a rate at which no motor is recorded, unless the user or the file says that the unit is right; and a rate that
-    /// cannot be computed with, whoever says so.
+    /// Refuses a rate at which no motor is recorded, unless the user or the file says that the unit is right. Always
+    /// refuses a rate that cannot be computed with.
     ///
     /// # Errors
     /// [`ClockError::Rate`], with the unit that is likelier, and [`ClockError::CoarseClock`].

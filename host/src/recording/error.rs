@@ -76,8 +76,8 @@ pub enum RecordingError {
     },
     /// A row that does not end.
     #[error(
-        "{file}:{line}: no end of the row within {} KiB, the most that is read of one; a recording has one row per sample, and \
-         a quote must be closed", MAX_ROW_BYTES >> 10
+        "{file}:{line}: no end of the row within {} KiB, the longest row that is read. A recording has one row per \
+         sample, and a quote must be closed", MAX_ROW_BYTES >> 10
     )]
     LongRow {
         /// The file's name as it was given.
@@ -134,7 +134,7 @@ pub enum RecordingError {
         column: String,
     },
     /// NaN, an infinity, or a number too large for f64.
-    #[error("{place}: `{text}` is not a finite number; remove the row (the reader then sees a gap) or repair it")]
+    #[error("{place}: `{text}` is not a finite number; remove the row, which leaves a gap, or repair it")]
     NotFinite {
         /// Where.
         place: Place,
@@ -156,14 +156,14 @@ pub enum RecordingError {
         place: Place,
     },
     /// An empty field.
-    #[error("{place}: the field is empty; remove the row (the reader then sees a gap) or repair it")]
+    #[error("{place}: the field is empty; remove the row, which leaves a gap, or repair it")]
     EmptyField {
         /// Where.
         place: Place,
     },
     /// A row with fewer fields than the header row.
     #[error(
-        "{place}: the field is missing: the row has {found} field(s), the header {expected}; remove the row (the reader then sees a gap) or repair it"
+        "{place}: the field is missing: the row has {found} field(s), the header {expected}; remove the row, which leaves a gap, or repair it"
     )]
     MissingField {
         /// Where.
@@ -226,8 +226,8 @@ pub enum RecordingError {
     },
     /// The position rolls over, and nobody said that it does.
     #[error(
-        "{place}: the position goes from {before} to {after} within one row, against the motion around it{}; the encoder seems \
-         to roll over: give --wrap {modulus} to join the turns, or --wrap none if the axis did jump",
+        "{place}: the position goes from {before} to {after} within one row, against the motion around it{}. The \
+         encoder seems to roll over: give --wrap {modulus} to join the turns, or --wrap none if the axis did jump",
         if *times > 1 { format!(", and so {times} times") } else { String::new() }
     )]
     RollsOver {

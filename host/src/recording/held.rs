@@ -1,9 +1,9 @@
 //! Held positions: a sensor that is refreshed less often than rows are written repeats its last value in between.
 //!
-//! A coarse encoder at slow speed repeats its value too, but then moves by one step, and the slower the axis the later. A
-//! held sensor moves by many steps at once, and at the same interval whatever the speed. So only *refreshes at speed* are
-//! looked at: two successive changes the same way, of about the same size, and each at least [`FAST`] times the smallest
-//! change of the recording. Between them a sensor that is read for every row has no row to repeat.
+//! A coarse encoder at slow speed repeats its value too, but then moves by one step, and the slower the axis the
+//! later. A held sensor moves by many steps at once, and at the same interval whatever the speed. So only *refreshes
+//! at speed* count. These are two successive changes the same way, of about the same size, each at least [`FAST`]
+//! times the smallest change of the recording. Between them a sensor that is read for every row has no row to repeat.
 //!
 //! Noise that is drawn with each reading tells the refresh at any speed: it brings changes of either sign in successive readings. So
 //! of a sensor that is read for every row some changes follow in the next row, and of a held one none does.
@@ -29,7 +29,8 @@ const FAST_IN_NOISE: f64 = 3.0;
 
 /// Rows from which noise repeats no value by chance in nearly all changes, see [`EARLY`].
 const OVER_CHANCE: usize = 2;
-/// Share of the changes that may come earlier than a refresh; and the share that comes within a row or a fifth of the period from there.
+/// Share of the changes that may come earlier than a refresh. Then the share that comes within a row or a fifth of
+/// the period from there.
 const EARLY: f64 = 0.02;
 /// See [`EARLY`].
 const NEXT_REFRESH: f64 = 0.3;
@@ -240,8 +241,9 @@ mod tests {
         (std::f64::consts::PI * t).sin()
     }
 
-    /// Periods of 2, 3.2, 4, 1.4 and 20 rows are found to 2 % (the refreshes fall on rows, so that a period is off by at most
-    /// one row at either end of some hundred), with an encoder of 4096 counts, a coarse one and one without steps.
+    /// Periods of 2, 3.2, 4, 1.4 and 20 rows are found to 2 %, with an encoder of 4096 counts, a coarse one and one
+    /// without steps. The refreshes fall on rows, so that a period is off by at most one row at either end of some
+    /// hundred.
     #[test]
     fn the_refresh_period_is_found_whatever_the_encoder() {
         for step in [0.0, std::f64::consts::TAU / 4096.0, 0.01] {
@@ -260,8 +262,8 @@ mod tests {
         }
     }
 
-    /// A coarse encoder repeats its value at slow speed, and is not held: at constant speeds of a fiftieth of a step per row
-    /// to three steps per row, in a swing, and with a flicker of noise.
+    /// A coarse encoder repeats its value at slow speed, and is not held. The speeds are a fiftieth of a step per row
+    /// to three steps per row, then a swing, and a flicker of noise.
     #[test]
     fn a_coarse_encoder_at_slow_speed_is_not_held() {
         for steps_per_row in [0.02, 0.3, 0.5, 0.9, 1.0, 1.3, 1.9, 2.0, 2.4, 3.0] {

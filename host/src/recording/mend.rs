@@ -24,8 +24,8 @@ pub(super) struct Repair {
 impl Repair {
     /// Looks through `stamps`, s.
     ///
-    /// A row whose stamp goes back is a restart, unless leaving out that row alone, or the row before it, puts the stamps in
-    /// order again: then that row is stray. The row before counts as stray only where its stamp leapt by more than
+    /// A row whose stamp goes back is a restart, unless the stamps are in order without that row, or without the row
+    /// before it. Then that row is stray. The row before counts as stray only where its stamp leapt by more than
     /// [`GAP_FACTOR`] intervals; else the clock was set back.
     pub(super) fn new(stamps: &[f64]) -> Self {
         let mut repair = Self::default();
@@ -117,8 +117,8 @@ impl Table {
         self.breaks.dedup();
     }
 
-    /// Makes time increase strictly: leaves out rows with a repeated or a stray stamp, cuts where the clock starts anew, and
-    /// lays the parts end to end. What was done is added to `found`.
+    /// Makes time increase strictly. It leaves out rows with a repeated or a stray stamp, cuts where the clock starts
+    /// anew, and lays the parts end to end. What was done is added to `found`.
     ///
     /// # Errors
     /// [`ClockError::TimeRepeats`] if next to nothing is left, [`ClockError::TimeDecreases`] if the rows are in no

@@ -75,7 +75,7 @@ pub struct Recording {
     /// Indices, increasing, at which a new piece begins because samples before it are missing.
     pub gaps: Vec<usize>,
     /// Interval at which the sensor was read, s, where rows that repeated a reading were merged
-    /// ([`Recording::refreshed`]): the position of a row is older than its stamp by an unknown part of it.
+    /// ([`Recording::refreshed`]). The position of a row is older than its stamp by an unknown part of it.
     pub read_every_s: Option<f64>,
     /// What the reader found in the file and mended; [`Recording::warnings`] has it too.
     pub found: Vec<Warning>,

@@ -1,8 +1,8 @@
 //! Rows that cannot be measurements: a position that leaps out and back within a few rows.
 //!
-//! A body does not leave its path and return to it within a row or two. How far it does move from row to row, the recording
-//! itself shows. What leaps more than [`LEAP`] times as far, and comes back, is a fault of the sensor, of its transfer or of
-//! the logger (a row of zeros or of ones, a lost digit).
+//! A body does not leave its path and return to it within a row or two. How far it does move from row to row, the
+//! recording itself shows. A position that leaps more than [`LEAP`] times as far, and comes back, is a fault. The
+//! sensor, its transfer or the logger makes it: a row of zeros, a lost digit.
 
 use super::error::{Place, RecordingError};
 use super::quality::Warning;

@@ -160,11 +160,11 @@ impl fmt::Display for Warning {
             ),
             Self::Saturated { fraction, extremes: (low, high) } => write!(
                 out,
-                "the drive is saturated in {:.1} % of the samples (limits {low} and {high}); column u must be what was applied, not what was asked for",
+                "the drive is saturated in {:.1} % of the samples (limits {low} and {high}); column u must be the drive that was applied, not the one that was commanded",
                 100.0 * fraction
             ),
             Self::ConstantDrive { value } => {
-                write!(out, "the drive is constant ({value}); inertia and friction cannot be told apart by it")
+                write!(out, "the drive is constant ({value}), which does not separate inertia from friction")
             }
             Self::Large { value, t } => {
                 write!(out, "{value:e} at t = {t} s is no drive and no position in any unit; repair or remove that row")

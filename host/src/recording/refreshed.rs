@@ -8,8 +8,8 @@ use super::timing::median;
 /// Intervals of the sensor after which a position that is still the same counts as read anew: the axis rests.
 const AT_REST: f64 = 1.5;
 
-/// Intervals of a sensor's clock within which a delay is that clock's: a reading is up to one interval old, and half a one is the
-/// least error of its instant.
+/// Intervals of a sensor's clock within which a delay is that clock's. A reading is up to one interval old, and half
+/// an interval is the least error of its instant.
 const CLOCK_INTERVALS: f64 = 1.5;
 
 impl Recording {

@@ -104,8 +104,8 @@ impl<R: Read> Rows<'_, R> {
         self.meter.ends_a_line()
     }
 
-    /// The line on which the row that was read last begins, from 1. Its own position may lie on comments before it, so count
-    /// back from its end; an unclosed quote has no end of line, there its own position is the later one.
+    /// The line on which the row that was read last begins, from 1. Its own position may lie on comments before it,
+    /// so count back from its end. An unclosed quote has no end of line; there its own position is the later one.
     pub(super) fn first_line(&self, row: &ByteRecord) -> u64 {
         let lines = row.as_slice().split(|&byte| byte == b'\n').count() as u64;
         let start = row.position().map_or(0, csv::Position::line);

@@ -32,8 +32,8 @@ pub(super) struct Table {
     /// Time, s.
     pub t: Vec<f64>,
     pub columns: Vec<Vec<f64>>,
-    /// Kept rows at which a new piece begins: samples before it are missing (the header says so), are not selected, or were
-    /// stamped by a clock that then started anew. Increasing.
+    /// Kept rows at which a new piece begins. Samples before it are missing (the header says so), are not selected,
+    /// or were stamped by a clock that then started anew. Increasing.
     pub breaks: Vec<usize>,
     /// Those of `breaks` at which the clock starts anew: how long after the row before them they follow is not known.
     pub restarts: Vec<usize>,

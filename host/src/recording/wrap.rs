@@ -106,8 +106,8 @@ impl Path<'_> {
     }
 }
 
-/// Whether a leap of `size` is a full turn, to within what the axis moves from row to row: a position that hovers about the
-/// end of its range.
+/// Whether a leap of `size` is a full turn, to within the axis's motion from row to row. Such a position hovers about
+/// the end of its range.
 pub(super) fn is_turn(size: f64, regular: f64, unit: &str) -> bool {
     turns(unit, size).any(|turn| (size - turn).abs() <= 2.0 * regular)
 }
@@ -145,8 +145,8 @@ mod tests {
         x.iter().map(|x| x.rem_euclid(modulus)).collect()
     }
 
-    /// The turn is found, and joining by it gives back the path: for a turn in rad, deg and rev, counters of 12 and 16 bits, and
-    /// an encoder of 20 000 counts, of which nobody knows the number.
+    /// The turn is found, and joining by it gives back the path. This holds for a turn in rad, deg and rev, counters
+    /// of 12 and 16 bits, and an encoder of 20 000 counts that nothing names.
     #[test]
     fn a_turn_is_found_and_joined() {
         let cases = [

@@ -66,7 +66,7 @@ pub fn sections(story: &Story<'_>) -> Vec<Section> {
         .undetermined
         .iter()
         .map(|missing| format!("{}: {}", missing.parameter, missing.advice))
-        .chain(story.identified.remarks.iter().cloned())
+        .chain(story.identified.remarks.iter().map(ToString::to_string))
         .collect();
     if !remarks.is_empty() {
         out.push(Section::new("What the data cannot tell", list(&remarks)));

@@ -5,7 +5,7 @@
 //! or carry a title and description for a screen reader. What is needed instead (scales, ticks, paths) is small:
 //! [`figure`].
 //!
-//! Every figure is drawn twice, for a phone's width and for a page's, so that its lettering keeps its size; the style
+//! Every figure is drawn twice, for a phone's width and for a page's, so that its lettering keeps its size. The style
 //! sheet shows one of them.
 
 pub mod choice;

@@ -174,10 +174,11 @@ fn numbers(story: &Story<'_>) -> String {
     let mut out = table(&columns, &rows);
     // Writing to a String cannot fail.
     let note = if story.measured {
-        "Errors are those of the encoder's reading: half a step either way is its rounding, and what is below is not known."
+        "Errors are those of the encoder's reading. Its rounding is half a step either way; smaller errors cannot be \
+         seen."
     } else {
-        "Errors are those of the true position, which a real axis does not know; below a step of the encoder \
-         they are what averaging over many steps leaves."
+        "Errors are those of the true position, which a real axis does not know. An error below a step of the \
+         encoder is an average over many steps."
     };
     let _ = writeln!(out, "<p class=\"note\">{note}</p>");
     out

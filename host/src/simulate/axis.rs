@@ -1,40 +1,26 @@
 //! The simulated axis: a plant, its sensor and its drive, run through experiments on one session clock.
 
 use breakaway_core::excite::relay::{DualRelay, DualRelayState, default_hysteresis};
-use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
+use breakaway_core::plant::{Base, Drive, Effect};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 
 use super::SimulateError;
-use super::exact::Exact;
 use super::experiment::{Excitation, Experiment, Multisine, Sensor};
+use super::motion::SimulatedMotion;
 use crate::recording::{Recording, Units};
 
 /// A simulated axis. It keeps position and session time from one experiment to the next, as a machine does.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    base: Base<f64>,
-    effects: Vec<Effect<f64>>,
     units: Units,
-    motion: Motion,
+    motion: SimulatedMotion,
     t: f64,
 }
 
-/// How the motion is computed.
-#[derive(Clone, Copy, Debug)]
-enum Motion {
-    /// Closed form between events: base plant, with or without constant load.
-    Exact(Exact),
-    /// Sub-steps: any effects.
-    Stepped(State<f64>),
-}
-
-/// Sub-steps per sample beyond what the effects' bandwidth asks for.
-const REFINEMENT: usize = 4;
-
 /// The controller of an experiment.
-enum Controller {
+enum ExperimentController {
     Relay(DualRelay<f64>, DualRelayState, f64),
     OpenLoop(Box<dyn Fn(f64) -> f64>, f64),
     Tracking { kp: f64, kd: f64, last: Option<f64> },
@@ -56,21 +42,12 @@ pub struct Run {
 impl Axis {
     /// An axis at rest at x = 0 and session time 0.
     pub fn new(base: Base<f64>, effects: &[Effect<f64>], units: Units) -> Self {
-        let exact = effects.iter().all(|e| e.kind == Kind::ConstantLoad);
-        let motion = if exact {
-            Motion::Exact(Exact::at_rest(base, effects.iter().map(|e| e.p[0]).sum(), 0.0))
-        } else {
-            Motion::Stepped(Plant { base, effects }.at_rest(0.0))
-        };
-        Self { base, effects: effects.to_vec(), units, motion, t: 0.0 }
+        Self { units, motion: SimulatedMotion::at_rest(base, effects), t: 0.0 }
     }
 
     /// True position.
     pub const fn position(&self) -> f64 {
-        match &self.motion {
-            Motion::Exact(exact) => exact.x,
-            Motion::Stepped(state) => state.x,
-        }
+        self.motion.position()
     }
 
     /// Runs an experiment from where the axis is.
@@ -79,7 +56,7 @@ impl Axis {
     /// Ranges of the experiment; a simulation that diverges.
     pub fn run(&mut self, experiment: &Experiment) -> Result<Run, SimulateError> {
         experiment.check()?;
-        let mut controller = Controller::new(experiment)?;
+        let mut controller = ExperimentController::new(experiment)?;
         let reference = experiment.excitation.reference();
         let tick_s = experiment.tick_s;
         self.run_with(experiment, |k, reading| {
@@ -113,15 +90,13 @@ impl Axis {
             (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut queue = std::collections::VecDeque::from(vec![0.0; delay_ticks]);
         let mut tripped = None;
-        let effects = self.effects.clone();
-        let plant = Plant { base: self.base, effects: &effects };
-        let sub_steps = plant.sub_steps(ts) * REFINEMENT;
+        let sub_steps = self.motion.sub_steps(ts);
         for k in 0..n {
             let position = self.position();
             if !position.is_finite() {
                 return Err(SimulateError::Diverged { experiment: experiment.name.clone(), t: self.t });
             }
-            let clean = plant.measured(position);
+            let clean = self.motion.measured();
             let noisy = clean + gauss.sample(&mut rng);
             let reading = if encoder_step > 0.0 { (noisy / encoder_step).round() * encoder_step } else { noisy };
             let command = control(k, reading - start).clamp(-experiment.drive_limit, experiment.drive_limit);
@@ -138,10 +113,7 @@ impl Axis {
                 tripped = Some(position - start);
                 break;
             }
-            match &mut self.motion {
-                Motion::Exact(exact) => exact.advance(applied, ts),
-                Motion::Stepped(state) => plant.advance(state, Drive { u: &u, ts, t: self.t }, sub_steps),
-            }
+            self.motion.advance(Drive { u: &u, ts, t: self.t }, sub_steps);
             self.t += ts;
         }
         let mut recording = Recording {
@@ -174,7 +146,7 @@ pub fn relay_resolution(hysteresis: Option<f64>, sensor: Sensor) -> (f64, u32) {
     (count, counts)
 }
 
-impl Controller {
+impl ExperimentController {
     fn new(experiment: &Experiment) -> Result<Self, SimulateError> {
         Ok(match experiment.excitation {
             Excitation::Relay { h1, h2, hysteresis, .. } => {

@@ -4,6 +4,7 @@ pub mod axis;
 pub mod exact;
 pub mod experiment;
 pub mod limit_cycle;
+pub mod motion;
 pub mod suite;
 
 /// Why an experiment could not be simulated.
@@ -43,8 +44,8 @@ pub enum SimulateError {
     },
     /// The axis does not move.
     #[error(
-        "the axis does not break away below the drive limit of {}: raise the limit, or free the axis (it counts as moving \
-         when its reading has changed by ten encoder steps or ten deviations of the noise)",
+        "the axis does not break away below the drive limit of {}: raise the limit, or free the axis. It counts as \
+         moving when its reading has changed by ten encoder steps or ten deviations of the noise",
         readable(*.0)
     )]
     NoBreakaway(f64),

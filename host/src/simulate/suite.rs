@@ -79,9 +79,10 @@ pub fn breakaway_by<E: From<SimulateError>>(
     Err(SimulateError::NoBreakaway(limit).into())
 }
 
-/// The drive at which the motion of a ramp began: with a drive of r·t past the friction a body of inertia b moves by
-/// r·t³/(6b), so the drive is a straight line over the third root of the way, and its value at no way is looked for. Where
-/// friction falls on break-away the body is faster at first, and what is found is a little (4 % of 0.8 V for 0.3 V) low.
+/// The drive at which the motion of a ramp began. With a drive of r·t past the friction a body of inertia b moves by
+/// r·t³/(6b). So the drive is a straight line over the third root of the way, and the result is its value at no way.
+/// Where friction falls on break-away the body is faster at first, and what is found is a little (4 % of 0.8 V for
+/// 0.3 V) low.
 fn read_back(run: &Run, resolution: f64) -> f64 {
     let (x, u) = (&run.recording.x, &run.recording.u);
     let way = |k: usize| (x[k] - run.start).abs();

@@ -7,8 +7,8 @@ const POINTS: usize = 2048;
 
 /// The strongest line of the signal.
 ///
-/// Two looks: the whole record averaged down to [`POINTS`] (slow lines), and the first [`POINTS`] samples as they are
-/// (lines so fast that the averages wash them out). `None` for a signal without a line.
+/// Two spectra. One is of the whole record averaged down to [`POINTS`], for slow lines. The other is of the first
+/// [`POINTS`] samples as they are, for lines that the averages would remove. `None` for a signal without a line.
 pub(super) fn strongest_line(t: &[f64], y: &[f64]) -> Option<Line> {
     let whole = averaged(t, y);
     let head = POINTS.min(t.len()).min(y.len());
@@ -25,7 +25,8 @@ pub(super) struct Line {
     pub omega: f64,
     /// Distance to the spectrum's next line, rad/s: half a cycle in what was looked at.
     pub step: f64,
-    /// Mean square of the line, A²/2: not its share of what was looked at, or the first moments of a slow sine would be a line.
+    /// Mean square of the line, A²/2. It is not a share of the segment's, because the first moments of a slow sine
+    /// would then be a line.
     pub power: f64,
 }
 

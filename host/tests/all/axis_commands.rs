@@ -21,8 +21,8 @@ fn experiment(folder: &Path, name: &str, duration_s: f64, head: &str, excitation
     file
 }
 
-/// The papers' plant at a tick of 0.1 ms with 1e-4 rad per count. The relay then switches half a tick and one and a half
-/// counts late, which moves T by less than 0.5 % of the exact cycle's 0.723195 s (docs/theory.md, section 2).
+/// The papers' plant at a tick of 0.1 ms with 1e-4 rad per count. The relay then switches half a tick and one and a
+/// half counts late. That moves T by less than 0.5 % of the exact cycle's 0.723195 s (docs/theory.md, section 2).
 #[test]
 fn a_settled_relay_run_reports_the_limit_cycle() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,7 +79,7 @@ fn every_ending_is_reported_as_itself() {
     }
 }
 
-/// At 10 kHz noise turns the relay on the integral before the axis has moved by its hysteresis of three counts; the
+/// At 10 kHz noise turns the relay on the integral before the axis has moved by its hysteresis of three counts. The
 /// drive is then h1 − h2 = 0.3 < f1, and nothing moves although h1 + h2 = 1.7 would do.
 #[test]
 fn a_relay_that_sticks_at_the_start_is_told_from_one_that_is_too_weak() {
@@ -88,7 +88,7 @@ fn a_relay_that_sticks_at_the_start_is_told_from_one_that_is_too_weak() {
     let file = experiment(folder.path(), "stuck", 2.0, "tick_s = 1e-4\n", relay, "encoder_step = 1e-3\nnoise = 5e-4\n");
     let ending = &json(folder.path(), &["run", &file, "-o", "out"])["recordings"][0]["ending"];
     assert_eq!(ending["kind"], "no_limit_cycle");
-    assert!(ending["reason"].as_str().unwrap().contains("make |h1 − h2| larger"), "{ending}");
+    assert!(ending["reason"].as_str().unwrap().contains("Make |h1 − h2| larger"), "{ending}");
 }
 
 #[test]

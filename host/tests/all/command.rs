@@ -38,8 +38,9 @@ fn sine(folder: &Path) -> PathBuf {
     path
 }
 
-/// The names are those of docs/formats.md, section "sinefit"; the values lie within 5 of their own standard errors, which are those of the Cramér–Rao bound
-/// (docs/theory.md, section 3: 2.8e-4 rad for the amplitude, 9.2e-5 rad/s for ω).
+/// The names are those of docs/formats.md, section "sinefit". The values lie within 5 of their own standard errors.
+/// These are those of the Cramér–Rao bound (docs/theory.md, section 3: 2.8e-4 rad for the amplitude, 9.2e-5 rad/s for
+/// ω).
 #[test]
 fn sinefit_prints_the_document_of_the_contract() {
     let folder = tempfile::tempdir().unwrap();

@@ -24,8 +24,8 @@ fn fleet(folder: &Path, arguments: &[&str]) -> (Output, Value) {
     (output, document)
 }
 
-/// Two relay limit cycles of 3 s at 4 ms on the papers' plant under a load, noise-free but for the encoder: the smallest
-/// recordings that settle base and load (a few seconds to discover).
+/// Two relay limit cycles of 3 s at 4 ms on the papers' plant under a load, noise-free but for the encoder. They are
+/// the smallest recordings that settle base and load (a few seconds to discover).
 fn machine(folder: &Path, name: &str, load: f64) {
     let base = Base::new(0.02685, 0.11, 0.5).unwrap();
     let kind = *Kind::ALL.iter().find(|kind| kind.name() == "constant_load").unwrap();
@@ -137,8 +137,8 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// Ctrl-C while the second of three machines is worked on: what is there is whole, nothing half written is left, and the
-/// next run goes on from there.
+/// Ctrl-C while the second of three machines is worked on. All files are whole, none is half written, and the next
+/// run goes on from there.
 #[cfg(unix)]
 #[test]
 fn what_is_cut_off_is_whole_and_goes_on() {

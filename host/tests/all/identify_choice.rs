@@ -54,9 +54,10 @@ fn pair(found: &Identification) -> [&ModelEstimate; 2] {
     [&found.best, other.unwrap()]
 }
 
-/// LuGre friction. At noises of 2e-4 and 5e-4 rad output error is nearer to the truth, in all three parameters; before, the weak form
-/// was reported, as whenever the simulation stays above the noise. At 1e-3 the noise happens to move the weak form towards the
-/// truth. Either way the nearer one is reported, and because it predicts better, not by a tie.
+/// LuGre friction. At noises of 2e-4 and 5e-4 rad output error is nearer to the truth, in all three parameters.
+/// Before, the weak form was reported, as always when the simulation stays above the noise. At 1e-3 the noise happens
+/// to move the weak form towards the truth. Either way the nearer one is reported, and because it predicts better,
+/// not by a tie.
 #[test]
 fn lugre_is_reported_by_the_nearer_estimator() {
     let lugre = [Effect::new(Kind::LuGre, &[40.0, 0.3, 0.25, 0.5])];
@@ -74,8 +75,8 @@ fn lugre_is_reported_by_the_nearer_estimator() {
     assert!(reported[..8].iter().all(|name| *name == "output_error"), "{reported:?}");
 }
 
-/// Nothing is missing, the sensor is noisy: output error is reported, within .2 % of every parameter (its table at q = σ = 1e-3, in
-/// docs/theory.md, section 4, has .00, .04, .07 %), and nearer than the weak form.
+/// Nothing is missing, the sensor is noisy. Output error is reported, within .2 % of every parameter (its table at
+/// q = σ = 1e-3, in docs/theory.md, section 4, has .00, .04, .07 %), and nearer than the weak form.
 #[test]
 fn a_clean_axis_keeps_the_accuracy_of_output_error() {
     for (noise, seed) in [(2e-4, 0), (5e-4, 1), (1e-3, 2), (1e-3, 3)] {

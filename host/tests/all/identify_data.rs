@@ -82,7 +82,7 @@ fn motion_in_one_direction_names_the_load() {
 fn a_constant_drive_determines_nothing() {
     let error = identify(&[driven(4_000, 1e-3, |_| 1.5)]).unwrap_err();
     assert!(matches!(error, IdentifyError::Undetermined { parameter: "b", .. }), "{error}");
-    assert!(error.to_string().contains("record a drive that changes"), "{error}");
+    assert!(error.to_string().contains("Record a drive that changes"), "{error}");
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn a_saturated_drive_and_a_gap_still_give_the_plant() {
     within(&identify(&[cut]).unwrap(), [0.002, 0.01, 0.01]);
 }
 
-/// Two rows that are lost, as a glitch leaves them, are no jitter: the noise is that of all rows to 1 %, since they are two of
+/// Two lost rows, as after a glitch, are no jitter. The noise is that of all rows to 1 %, since they are two of
 /// twelve thousand. It was a third, and the model was said to miss something.
 #[test]
 fn lost_rows_are_no_jitter() {

@@ -74,9 +74,10 @@ fn a_clock_that_stops_leaves_what_it_stamped() {
     }
 }
 
-/// The FRC drive's position comes every 20 ms into a log of 5 ms (WPILib's period), at slow and fast speeds: to 2 %, for the
-/// log's own clock is off by as much. OpenArm's sticks and slips between refreshes of two or three rows (6 to 9 ms). XL330,
-/// EMPS, LAAS, ODrive and flexlink, whose encoder is coarse, have a position of their own for every row.
+/// The FRC drive's position comes every 20 ms into a log of 5 ms (WPILib's period), at slow and fast speeds. It is
+/// found to 2 %, because the log's own clock is off by as much. OpenArm's sticks and slips between refreshes of two
+/// or three rows (6 to 9 ms). XL330, EMPS, LAAS, ODrive and flexlink, whose encoder is coarse, have a position of
+/// their own for every row.
 #[test]
 fn held_positions_are_told_from_coarse_encoders() {
     let Some(data) = data() else { return };
@@ -150,8 +151,8 @@ fn measured_motion_is_no_fault_and_a_glitch_in_it_is() {
     }
 }
 
-/// Rotors that spin at up to 150 rad/s, 40 rows a turn, on a clock that jitters by 7 ms: rolled into one turn of 2π rad they
-/// are refused with that turn, and joined by it they are what they were, but for whole turns.
+/// Rotors that spin at up to 150 rad/s, 40 rows a turn, on a clock that jitters by 7 ms. Rolled into one turn of 2π
+/// rad they are refused with that turn. Joined by it they are as before, but for whole turns.
 #[test]
 fn measured_rotors_that_roll_over_are_joined() {
     let Some(data) = data() else { return };

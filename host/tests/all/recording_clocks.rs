@@ -134,8 +134,8 @@ fn a_recording_that_does_not_move_is_left_out_of_a_session() {
     assert!(text(&sine.stderr).contains("is constant (3.5 in all 40 rows)"), "{}", text(&sine.stderr));
 }
 
-/// `discover` leaves it out of the recordings to fit, and refuses where none of those to score moves: it would otherwise
-/// score on other data than the user named.
+/// `discover` leaves it out of the recordings to fit, and refuses where none of those to score moves. It would
+/// otherwise score on other data than the user named.
 #[test]
 fn discover_leaves_out_what_does_not_move() {
     let folder = tempfile::tempdir().unwrap();

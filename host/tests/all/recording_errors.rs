@@ -43,12 +43,12 @@ fn columns_that_are_not_there() {
 
 #[test]
 fn fields_that_are_no_finite_numbers() {
-    assert_snapshot!(message(with_line(5, "1.5,NaN,9")), @"a.csv:5: column `u`: `NaN` is not a finite number; remove the row (the reader then sees a gap) or repair it");
-    assert_snapshot!(message(with_line(5, "1.5,1,-inf")), @"a.csv:5: column `x`: `-inf` is not a finite number; remove the row (the reader then sees a gap) or repair it");
-    assert_snapshot!(message(with_line(5, "1e999,1,9")), @"a.csv:5: column `t`: `1e999` is not a finite number; remove the row (the reader then sees a gap) or repair it");
+    assert_snapshot!(message(with_line(5, "1.5,NaN,9")), @"a.csv:5: column `u`: `NaN` is not a finite number; remove the row, which leaves a gap, or repair it");
+    assert_snapshot!(message(with_line(5, "1.5,1,-inf")), @"a.csv:5: column `x`: `-inf` is not a finite number; remove the row, which leaves a gap, or repair it");
+    assert_snapshot!(message(with_line(5, "1e999,1,9")), @"a.csv:5: column `t`: `1e999` is not a finite number; remove the row, which leaves a gap, or repair it");
     assert_snapshot!(message(with_line(5, "1.5,1,9 mm")), @"a.csv:5: column `x`: `9 mm` is not a number; numbers are written like -1.5e-3, with a point");
-    assert_snapshot!(message(with_line(5, "1.5,,9")), @"a.csv:5: column `u`: the field is empty; remove the row (the reader then sees a gap) or repair it");
-    assert_snapshot!(message(with_line(10, "4,1")), @"a.csv:10: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row (the reader then sees a gap) or repair it");
+    assert_snapshot!(message(with_line(5, "1.5,,9")), @"a.csv:5: column `u`: the field is empty; remove the row, which leaves a gap, or repair it");
+    assert_snapshot!(message(with_line(10, "4,1")), @"a.csv:10: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row, which leaves a gap, or repair it");
     assert_snapshot!(message(with_line(5, "1,5,1,9")), @"a.csv:5: the row has 4 fields, the header 3; is there a decimal comma, or an unquoted comma in a text?");
     let latin1 = [with_line(12 - 1, "").as_bytes(), b"4.5,1,\xb5\n"].concat();
     assert_snapshot!(message(latin1), @"a.csv:12: column `x`: not UTF-8 text; save the file as UTF-8 CSV");
@@ -117,7 +117,7 @@ fn a_saturated_drive_is_a_warning_and_a_relay_is_not() {
     // The record, 20 rad long, holds 6 peaks of 2·acos(0.98) rad: 12.02 %, and each peak is counted within one sample of 1000.
     let wanted = 6.0 * 2.0 * 0.98_f64.acos() / 20.0;
     assert!((fraction - wanted).abs() < 6.0 / 1000.0, "{fraction}");
-    assert_snapshot!(clipped[0], @"the drive is saturated in 12.0 % of the samples (limits -0.98 and 0.98); column u must be what was applied, not what was asked for");
+    assert_snapshot!(clipped[0], @"the drive is saturated in 12.0 % of the samples (limits -0.98 and 0.98); column u must be the drive that was applied, not the one that was commanded");
     assert_eq!(drive(wave.clone()).warnings(), []);
     assert_eq!(drive(wave.iter().map(|u| u.signum()).collect()).warnings(), []);
     assert_eq!(drive(vec![0.5; 1000]).warnings(), [Warning::ConstantDrive { value: 0.5 }]);

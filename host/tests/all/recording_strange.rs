@@ -122,7 +122,7 @@ fn a_torn_last_row_is_left_out_and_an_open_quote_is_refused() {
     // A row that ends is not torn, and neither is one with rows after it.
     let wrong = |text: String| read(&text, &with_time("t_ms")).unwrap_err().to_string();
     assert_snapshot!(wrong(format!("{text}600,1.0,-\n")), @"a.csv:602: column `x`: `-` is not a number; numbers are written like -1.5e-3, with a point");
-    assert_snapshot!(wrong(with_line(&text, 300, "298,0.1")), @"a.csv:300: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row (the reader then sees a gap) or repair it");
+    assert_snapshot!(wrong(with_line(&text, 300, "298,0.1")), @"a.csv:300: column `x`: the field is missing: the row has 2 field(s), the header 3; remove the row, which leaves a gap, or repair it");
     assert_snapshot!(wrong(with_line(&text, 300, "298,\"0.1,0.2")), @"a.csv:300: column `u`: the field goes on past the end of its line; is a quote opened and not closed?");
 }
 
@@ -141,7 +141,7 @@ fn turning() -> String {
 fn a_roll_over_is_refused_with_the_option_and_joined_by_it() {
     let options = ReadOptions { position: Some("x_counts".to_owned()), ..with_time("t_s") };
     let refused = read(&turning(), &options).unwrap_err();
-    assert_snapshot!(refused, @"a.csv:102: column `x_counts`: the position goes from 4055 to 0 within one row, against the motion around it, and so 5 times; the encoder seems to roll over: give --wrap 4096 to join the turns, or --wrap none if the axis did jump");
+    assert_snapshot!(refused, @"a.csv:102: column `x_counts`: the position goes from 4055 to 0 within one row, against the motion around it, and so 5 times. The encoder seems to roll over: give --wrap 4096 to join the turns, or --wrap none if the axis did jump");
     let joined = read(&turning(), &ReadOptions { wrap: "4096".parse().ok(), ..options.clone() }).unwrap();
     // 599 rows of 40.96 counts.
     assert_eq!(joined.x[599], 24_535.0);
@@ -157,9 +157,9 @@ fn what_is_too_much_is_refused_by_its_limit() {
     let refused =
         |input: &mut dyn Read| Recording::read_from("a.csv", input, &ReadOptions::default()).unwrap_err().to_string();
     assert_snapshot!(refused(&mut std::io::repeat(0)), @"a.csv is binary data, not a recording (CSV with a header row); give the log as CSV");
-    assert_snapshot!(refused(&mut std::io::repeat(b'7')), @"a.csv:1: no end of the row within 1024 KiB, the most that is read of one; a recording has one row per sample, and a quote must be closed");
-    assert_snapshot!(refused(&mut "# a\n".as_bytes().chain(std::io::repeat(b'#'))), @"a.csv:2: no end of the row within 1024 KiB, the most that is read of one; a recording has one row per sample, and a quote must be closed");
-    assert_snapshot!(refused(&mut "t,u,x\n0,1,2\n1,\"".as_bytes().chain(std::io::repeat(b'\n'))), @"a.csv:3: no end of the row within 1024 KiB, the most that is read of one; a recording has one row per sample, and a quote must be closed");
+    assert_snapshot!(refused(&mut std::io::repeat(b'7')), @"a.csv:1: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");
+    assert_snapshot!(refused(&mut "# a\n".as_bytes().chain(std::io::repeat(b'#'))), @"a.csv:2: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");
+    assert_snapshot!(refused(&mut "t,u,x\n0,1,2\n1,\"".as_bytes().chain(std::io::repeat(b'\n'))), @"a.csv:3: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");
     let names = |count: usize| (0..count).map(|k| format!("c{k},")).collect::<String>() + "c\n1,2\n";
     assert_snapshot!(refused(&mut names(20_000).as_bytes()), @"a.csv:1: the header row has 20001 columns, and at most 16384 are read; leave out those not needed");
     let long = refused(&mut names(9_000).as_bytes());

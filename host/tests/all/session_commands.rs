@@ -1,5 +1,5 @@
-//! What `identify`, `discover` and `sinefit` refuse before they work: units that differ, a recording given twice, columns in
-//! each other's place, names that are no text.
+//! What `identify`, `discover` and `sinefit` refuse before they work. These are units that differ, a recording given
+//! twice, columns in each other's place, names that are no text.
 #![allow(clippy::format_collect, reason = "some rows of text; the fold would hide what they are")]
 
 use std::fs;

@@ -1,5 +1,5 @@
-//! The README's walk and the tutorial, done as their reader does: every line in order, in one folder, by a shell, with the
-//! files that the page shows. What the tutorial says a command prints is what it prints.
+//! The README's walk and the tutorial, as their reader does them. A shell runs every line in order, in one folder,
+//! with the files that the page shows. What the tutorial says a command prints is what it prints.
 #![cfg(unix)]
 
 #[path = "../../../tests/tests/all/docs/commands.rs"]

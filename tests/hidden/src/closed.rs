@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 
 /// Natural frequency of the loop, Hz.
 const LOOP_HZ: f64 = 3.0;
-/// Largest phase, rad, that the sensor and the tick may cost at the natural frequency: with the derivative's own filter the
-/// loop keeps half a radian.
+/// Largest phase, rad, that the sensor and the tick may cost at the natural frequency. With the derivative's own
+/// filter the loop keeps half a radian.
 const PHASE_RAD: f64 = 0.3;
 
 /// Tracks the course with a damping ratio of 0.8, slower where the position comes late.

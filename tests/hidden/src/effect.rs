@@ -40,8 +40,8 @@ const EXCLUSIVE: [[&str; 2]; 2] = [["backlash", "flexible_coupling"], ["dahl", "
 /// First of the random streams from which effects are drawn.
 const FIRST_STREAM: u64 = 256;
 
-/// One, two or three effects of the catalogue that a plant can have together, by seed: one in half of the draws, two in a
-/// third. The draws of one seed are numbered by `index`.
+/// One, two or three effects of the catalogue that a plant can have together, by seed. Half of the draws have one, a
+/// third have two. The draws of one seed are numbered by `index`.
 pub fn drawn(seed: u64, index: u64) -> Vec<&'static str> {
     let mut rng = stream(seed, FIRST_STREAM + index);
     let count = match rng.random_range(0..6) {

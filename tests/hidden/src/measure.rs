@@ -12,9 +12,9 @@ const SEGMENT_S: f64 = 0.4;
 /// Longest sub-step of those runs, s.
 const STEP_S: f64 = 2.5e-4;
 
-/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder, beyond the random torque
-/// and what the supply loses: b·Δv/Ts + c·Δx/Ts + friction − u − torque, friction being whatever within ±f1 explains most of it in the
-/// samples that hold a reversal or rest. The last sample has no end and is 0.
+/// Mean force per sample (V) that the true base lacks on the true motion, as seen by the encoder. The random torque
+/// and the loss of the supply are not part of it. It is b·Δv/Ts + c·Δx/Ts + friction − u − torque. In samples with a
+/// reversal or rest, friction is the value within ±f1 that explains most of it. The last sample has no end and is 0.
 pub fn gap_force(machine: &Machine, trace: &Trace) -> Vec<f64> {
     let base = machine.base;
     let mut gap: Vec<f64> = (1..trace.u.len())
@@ -30,8 +30,8 @@ pub fn gap_force(machine: &Machine, trace: &Trace) -> Vec<f64> {
     gap
 }
 
-/// RMS of the gap after the base parameters absorbed what they can (least squares of the gap on
-/// acceleration, velocity and direction over the moving samples), and the plain RMS over the same.
+/// RMS of the gap after the base parameters absorbed what they can, and the plain RMS over the same samples. The
+/// first is by least squares of the gap on acceleration, velocity and direction over the moving samples.
 pub fn gap_rms(traces: &[Trace], gaps: &[Vec<f64>]) -> (f64, f64) {
     let mut normal = [[0.0; 4]; 3];
     let (mut squares, mut count) = (0.0, 0.0_f64);
@@ -81,8 +81,8 @@ fn solve(mut m: [[f64; 4]; 3]) -> [f64; 3] {
     p
 }
 
-/// RMS difference (rad) between the encoder's exact position and the true base plant run open loop
-/// under the same drive and random torque over 0.4 s segments, each from the true encoder position and velocity.
+/// RMS difference (rad) between the encoder's exact position and the true base plant run open loop under the same
+/// drive and random torque. Segments last 0.4 s, each from the true encoder position and velocity.
 pub fn base_error(base: &ForceLaw, traces: &[Trace], tick_s: f64) -> f64 {
     segments_rms(base, traces, tick_s, |plant, _, trace, k| plant.x - trace.y[k])
 }

@@ -1,5 +1,5 @@
-//! The plant's integration: midpoint sub-steps while smooth, with reversal, stick and release located
-//! inside the sub-step; presliding states by a splitting whose bristle part is exact (`friction.rs`).
+//! The plant's integration: midpoint sub-steps while smooth, with reversal, stick and release located inside the
+//! sub-step. Presliding states go by a splitting whose bristle part is exact (`friction.rs`).
 
 use crate::{disturbance::Disturbance, drive::Drive, law::ForceLaw};
 

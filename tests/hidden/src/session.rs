@@ -48,8 +48,8 @@ pub struct Session {
     pub(crate) stamp_decimals: usize,
 }
 
-/// A blind case: the same case always gives the same bytes. The machine (base parameters, encoder)
-/// depends on the seed and the world alone, so cases of one seed and world differ only by what is hidden.
+/// A blind case: the same case always gives the same bytes. The machine (base parameters, encoder) depends on the
+/// seed and the world alone. So cases of one seed and world differ only by the hidden effects.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Seed of everything random.

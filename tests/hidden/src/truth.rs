@@ -65,10 +65,10 @@ pub struct Truth {
     pub gap_rms_percent: f64,
     /// The same after b, c, f1 absorbed what they can, % of the amplitude.
     pub gap_rms_refit_percent: f64,
-    /// RMS error of the true base plant over 0.4 s open-loop segments over the noise floor, to which
-    /// random torque adds what it does to the base plant over these segments: below about 1 the
-    /// effect is hard to see. An upper bound, since a fitted base absorbs part of it;
-    /// multiply by `gap_rms_refit_percent / gap_rms_percent` for a rough value after that.
+    /// RMS error of the true base plant over 0.4 s open-loop segments over the noise floor. The floor includes the
+    /// random torque's effect on the base plant over these segments. Below about 1 the effect is hard to see. An
+    /// upper bound, since a fitted base absorbs part of it; multiply by `gap_rms_refit_percent / gap_rms_percent` for
+    /// a rough value after that.
     pub visibility: f64,
     /// Noise floor √(σ² + step²/12), rad.
     pub noise_floor: f64,
@@ -121,8 +121,8 @@ impl Truth {
         }
     }
 
-    /// RMS of recorded minus true position (rad) over the recordings of that role: what the truth
-    /// model itself, started from the true state and shaken by the true torque, would score.
+    /// RMS of recorded minus true position (rad) over the recordings of that role. It is the score of the truth model
+    /// itself, started from the true state and shaken by the true torque.
     pub fn own_error(&self, session: &Session, role: Role) -> f64 {
         let (mut squares, mut count) = (0.0, 0.0_f64);
         for (record, truth) in session.records.iter().zip(&self.records) {

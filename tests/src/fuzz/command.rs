@@ -1,8 +1,8 @@
-//! Commands to the running application: whatever is sent, each request is answered once and in order, the drive stays
+//! Commands to the running application. Whatever is sent, each request is answered once and in order. The drive stays
 //! within the settings' limit and at zero where nothing runs, and the board still answers at the end.
 //!
-//! An input is a list of steps: a byte of ticks to wait (times four), a byte of length, a message of that length, which
-//! is put into a frame with its CRC; a length of 251 or more is 32 bytes sent as they are.
+//! An input is a list of steps: a byte of ticks to wait (times four), a byte of length, a message of that length. The
+//! message is put into a frame with its CRC. A length of 251 or more is 32 bytes sent as they are.
 
 use breakaway_core::link::{
     Command, Decoder, Event, MAX_FRAME, MAX_MESSAGE, Message, Reply, Request, Settings, encode,

@@ -1,8 +1,9 @@
-//! What every input must keep to, whatever its bytes: one function for each, run by libFuzzer (`cargo xtask fuzz`, the
-//! crate in fuzz/) and, on the committed corpus and some thousand damaged copies of it, by tests/tests/all/fuzz.rs.
+//! The promises about every input, whatever its bytes. There is one function for each, run by libFuzzer
+//! (`cargo xtask fuzz`, the crate in fuzz/) and, on the committed corpus and some thousand damaged copies of it, by
+//! tests/tests/all/fuzz.rs.
 //!
-//! Each panics where a promise is broken, and says whether the input was accepted: a test in which nothing is accepted,
-//! or nothing refused, tests nothing.
+//! Each panics where a promise is broken, and says whether the input was accepted. A test in which nothing is
+//! accepted, or nothing refused, tests nothing.
 
 mod command;
 pub mod damage;

@@ -57,8 +57,8 @@ mod tests {
         Recording { u: vec![0.0; t.len()], x, t, ..Recording::default() }
     }
 
-    /// A cubic leaves nothing; of t⁴ over a window of half-width h = 0.5 a cubic leaves h⁴·8/35·√(1/9), the norm of the
-    /// quartic Legendre polynomial: t⁴ = (8/35)·P4 + …, and the mean square of P4 is 1/9.
+    /// A cubic leaves nothing. Of t⁴ over a window of half-width h = 0.5 a cubic leaves h⁴·8/35·√(1/9), the norm of
+    /// the quartic Legendre polynomial: t⁴ = (8/35)·P4 + …, and the mean square of P4 is 1/9.
     #[test]
     fn the_curve_is_a_cubic_over_the_held_out_second() {
         let cubic = Taken { fit: vec![recording(|t| 3.0 + t - 2.0 * t * t + 4.0 * t.powi(3))], ..Taken::default() };

@@ -58,7 +58,7 @@ pub fn tables(rows: &[Row]) -> Result<String, String> {
     Ok(out)
 }
 
-/// The page, with the day on which it was written, the command that made its newest rows, and what else is to be said of them.
+/// The page, with its day, the command that made its newest rows, and further notes on them.
 ///
 /// # Errors
 /// As [`tables`].

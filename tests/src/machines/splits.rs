@@ -26,8 +26,8 @@ pub enum Split {
         /// Number of folds.
         of: usize,
     },
-    /// One of `of` parts alone: of the files in their order, or of the time of each where there are fewer files than
-    /// parts; the tool holds out as above.
+    /// One of `of` parts alone. The parts are of the files in their order, or of the time of each where there are
+    /// fewer files than parts. The tool holds out as above.
     Part {
         /// From 0.
         part: usize,

@@ -1,10 +1,11 @@
-//! The pages, so that they cannot rot: the examples of docs/formats.md are read by the real readers, every command line is
-//! parsed by the real definition of the command, and every file it needs comes from somewhere. The lines of the README and
-//! of the tutorial are run in host/tests/all/walk.rs; those of `cargo xtask` are parsed in xtask.
+//! The pages, so that they cannot rot. The real readers read the examples of docs/formats.md. The real definition of
+//! the command parses every command line, and every file that it needs comes from somewhere. The lines of the README
+//! and of the tutorial are run in host/tests/all/walk.rs; those of `cargo xtask` are parsed in xtask.
 
 mod citations;
 mod commands;
 mod files;
+mod sentences;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -61,8 +62,8 @@ fn blocks(page: &str, language: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// Every `toml` example is a model (it has `[base]`) or an experiment, and its reader takes it; each kind of excitation
-/// and of reference has an example.
+/// Every `toml` example is a model (it has `[base]`) or an experiment, and its reader takes it. Each kind of
+/// excitation and of reference has an example.
 #[test]
 fn toml_examples_are_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,8 +139,8 @@ fn json_examples_have_the_promised_keys() {
     }
 }
 
-/// Every command line of every page: the command and its options exist, its files come from the reader, from the page or
-/// from an earlier line, and the effect it names is in the catalogue.
+/// Every command line of every page. The command and its options exist, and the effect that it names is in the
+/// catalogue. Its files come from the reader, from the page or from an earlier line.
 #[test]
 fn command_lines_parse_and_their_files_come_from_somewhere() {
     let mut own: BTreeSet<(&str, &str)> = BTreeSet::new();

@@ -30,8 +30,8 @@ fn apart(text: &str) -> (String, Vec<f64>) {
     (words, numbers)
 }
 
-/// Equal but for the last digit of the numbers (pixels have one decimal, the tables two): the mathematics library of another
-/// system may round an exponential the other way.
+/// Equal but for the last digit of the numbers (pixels have one decimal, the tables two). The mathematics library of
+/// another system may round an exponential the other way.
 fn same(found: &str, made: &str) -> bool {
     let ((a, p), (b, q)) = (apart(found), apart(made));
     a == b && p.len() == q.len() && p.iter().zip(&q).all(|(x, y)| (x - y).abs() <= 0.2 + 0.01 * y.abs())

@@ -1,5 +1,5 @@
-//! The loop on the virtual board, from an axis with an effect nobody told of to its compensation: run suite → identify →
-//! discover → tune → load the model over the link → track. One course of it for every effect.
+//! The loop on the virtual board, from an unknown effect to its compensation: run suite → identify → discover → tune
+//! → load the model over the link → track. One course of it for every effect.
 
 use std::path::Path;
 

@@ -141,8 +141,8 @@ fn a_host_that_is_cut_off_in_mid_motion() {
         // It goes on saying that it is there, to nobody.
         bench.take(Duration::ZERO);
     }
-    // 2000 ticks after the last command that got through; the client sends one every 0.2 s of its own time, which at three
-    // times real time are 600 ticks, or some more on a busy machine.
+    // 2000 ticks after the last command that got through. The client sends one every 0.2 s of its own time, which at
+    // three times real time are 600 ticks, or some more on a busy machine.
     assert!((cut + 2_000 - 1_200..=cut + 2_002).contains(&last_driven), "cut at {cut}, driven until {last_driven}");
     // What was captured until then is whole.
     let captured = bench.samples.last().unwrap().tick;

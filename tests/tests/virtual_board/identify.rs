@@ -3,7 +3,7 @@
 use std::process::{Command as Process, Stdio};
 
 use breakaway::command::run::papers_plant;
-use breakaway_core::link::{Command, Ending, Reply, Verdict};
+use breakaway_core::link::{Command, Ending, IdentificationVerdict, Reply};
 
 use crate::bench::{Bench, options, start};
 
@@ -68,10 +68,11 @@ fn the_board_identifies_by_itself() {
         assert_eq!(bench.run_relay(h1, h2, 12_000).ending, Ending::TimeUp);
     }
     let Ok(Reply::Identified(found)) = bench.client.request(Command::Identify) else { panic!("not identified") };
-    assert_eq!(found.verdict, Verdict::Determined);
+    assert_eq!(found.verdict, IdentificationVerdict::Determined);
     let truth = papers_plant().base;
-    // Acceptance row 10 (tests/tests/all/acceptance/mod.rs) for the streaming estimator is 1 %, 0.5 %, 1 % on the exact
-    // cycle; here a run follows another and starts while the axis still moves, c gets 1.5 %, its three standard errors.
+    // Acceptance row 10 (tests/tests/all/acceptance/mod.rs) for the streaming estimator is 1 %, 0.5 %, 1 % on the
+    // exact cycle. Here a run follows another and starts while the axis still moves. So c gets 1.5 %, its three
+    // standard errors.
     for (name, got, truth, allowed) in
         [("b", found.b, truth.b, 0.01), ("c", found.c, truth.c, 0.015), ("f1", found.f1, truth.f1, 0.01)]
     {

@@ -1,9 +1,10 @@
-//! The whole loop on the virtual board, for each effect that is to be worth it: 0.3 V, between 6 % of the suite's strongest
-//! relay (4.75 V) and a quarter of its weakest sine (1.1 V), and half of the 0.57 V along the sine that is followed.
+//! The whole loop on the virtual board, for each effect that compensation should help. The effect has 0.3 V. That
+//! lies between 6 % of the suite's strongest relay (4.75 V) and a quarter of its weakest sine (1.1 V). It is half of
+//! the 0.57 V along the sine that is followed.
 //!
-//! The project's goals: with the discovered model compensated at most a half of the error that the base model leaves, and
-//! a fifth of that of the PID alone; within 1.3 of a compensator that is given the truth. Where the truth itself does
-//! not reach the first two, the last one is what can be asked for, and that it does not is asserted too.
+//! The project's goals for the discovered model compensated are three. Its error is at most a half of the base
+//! model's, a fifth of the PID's, and 1.3 times that with the true model. Where the truth itself does not reach the
+//! first two, only the last one holds. The test then asserts that the truth does not reach them.
 //!
 //! Each takes a minute. Two of them are run with all tests, the others by `cargo xtask loops`.
 
@@ -73,8 +74,8 @@ fn stribeck_friction_that_was_discovered_is_compensated() {
     close(STRIBECK, tempfile::tempdir().unwrap().path()).reaches_the_goals();
 }
 
-/// Of a force that changes as slowly as the speed the integral leaves 0.6 encoder steps, and with the truth compensated 0.34
-/// are left, of which rounding is 0.29: there is no half to be had with this encoder.
+/// The integral reduces a force that changes as slowly as the speed to 0.6 encoder steps. With the truth compensated
+/// 0.34 are left, of which rounding is 0.29. So this encoder cannot show a half.
 #[test]
 #[ignore = "a minute: cargo xtask loops"]
 fn asymmetric_viscous_friction_that_was_discovered_is_compensated() {
@@ -124,7 +125,7 @@ fn what_the_board_cannot_follow_is_said_before_it_moves() {
     }
 }
 
-/// An S-curve there and back, made by the board from what the host has told it: compensated, what is left is the encoder's
+/// An S-curve there and back, made by the board from the host's plan. Compensated, the error is the encoder's
 /// rounding (0.29 steps) and less than another step. The plant is the model.
 #[test]
 fn an_s_curve_is_followed_there_and_back() {

@@ -38,8 +38,8 @@ impl Apt {
 
     /// Downloads packages with what they need and the system does not have; their files.
     ///
-    /// Where they cannot stand beside what is installed (another version of a package that they need), all that they need is
-    /// downloaded, as for an empty system.
+    /// They may not fit beside the installed packages, because another version of a dependency is there. Then all
+    /// dependencies are downloaded, as for an empty system.
     ///
     /// # Errors
     /// They are in none of the sources, or no server answers.

@@ -94,9 +94,9 @@ pub fn least_delta<F: Real>(step: F, gains: &Gains<F>, tick_s: F) -> F {
 }
 
 impl<F: Real> Adaptation<F> {
-    /// Gains in proportion to the squares of the start values, so that one number sets the speed of all: along a
-    /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate` rad/s.
-    /// With F = b·acceleration + c·speed + f1, `k_i = (b·rate²/F²)·θ_i²`.
+    /// Gains in proportion to the squares of the start values, so that one number sets the speed of all. Along a
+    /// reference of at most `speed` and `acceleration`, the forces θ_i·φ_i of the model adapt with up to `rate`
+    /// rad/s. With F = b·acceleration + c·speed + f1, `k_i = (b·rate²/F²)·θ_i²`.
     ///
     /// δ is the speed error within which nothing adapts (X/s); a few encoder steps per filter time.
     pub fn normalised(start: &Estimates<F>, rate: F, speed: F, acceleration: F, delta: F) -> Self {

@@ -44,7 +44,7 @@ fn it_is_the_law() {
         let v = reference.v - rate;
         let expected = before.c * v - before.b * u_c + before.f1 * reference.v.sgn() + before.f * sat;
         assert!((u - expected).abs() < 1e-12 * expected.abs().max(1.0), "{k}: {u} {expected}");
-        law.learn(&mut state);
+        law.update(&mut state);
         integral += e * TICK;
         let k = adaptation.gains;
         let laws = [
@@ -95,7 +95,7 @@ proptest! {
         for (e, rate, v, saturated, excess) in signals {
             let before = (state.estimates, state.integral);
             law.drive_ideal(&mut state, Setpoint { x: 0.0, v, a: 5.0 * v }, Ideal { error: e, error_rate: rate, direction: v.sgn() });
-            if saturated { law.cut(&mut state, excess) } else { law.learn(&mut state) }
+            if saturated { law.cut(&mut state, excess) } else { law.update(&mut state) }
             let hat = state.estimates;
             prop_assert!(hat.b >= 0.005 && hat.c >= 0.0 && hat.f1 >= 0.0 && hat.f >= 0.0);
             if saturated {
@@ -108,8 +108,8 @@ proptest! {
         }
     }
 
-    /// f32 and Q32 against f64 over 50 ticks of the same signals: u is of size 10 and its rounding 1e-6 of that;
-    /// Q32 rounds kb·Ts = 7e-8 by up to 1.2e-10, which 50 ticks of u_c·s_Δ up to 2500 and u_c up to 500 make 8e-3.
+    /// f32 and Q32 against f64 over 50 ticks of the same signals: u is of size 10 and its rounding 1e-6 of that. Q32
+    /// rounds kb·Ts = 7e-8 by up to 1.2e-10, which 50 ticks of u_c·s_Δ up to 2500 and u_c up to 500 make 8e-3.
     #[test]
     fn scalars_agree(signals in prop::collection::vec((-0.1..0.1_f64, -5.0..5.0_f64, -5.0..5.0_f64), 50)) {
         let adaptation = adaptation();
@@ -121,9 +121,9 @@ proptest! {
             let single = b.drive_ideal(&mut q, Setpoint { x: 0.0, v: f(v), a: f(v) }, Ideal { error: f(e), error_rate: f(rate), direction: f(v).sgn() });
             let z = Q32::from_f64;
             let fixed = c.drive_ideal(&mut r, Setpoint { x: z(0.0), v: z(v), a: z(v) }, Ideal { error: z(e), error_rate: z(rate), direction: z(v).sgn() });
-            a.learn(&mut p);
-            b.learn(&mut q);
-            c.learn(&mut r);
+            a.update(&mut p);
+            b.update(&mut q);
+            c.update(&mut r);
             prop_assert!((f64::from(single) - exact).abs() < 1e-4, "{} {}", single, exact);
             prop_assert!((fixed.to_f64() - exact).abs() < 1e-2, "{} {}", fixed.to_f64(), exact);
         }
@@ -143,7 +143,7 @@ fn sigma_bounds_the_residual_estimate() {
             Setpoint { x: 0.0, v: 0.0, a: 0.0 },
             Ideal { error: 0.0, error_rate: 1.5, direction: 0.0 },
         );
-        law.learn(&mut state);
+        law.update(&mut state);
     }
     // |s_Δ| = 1.5 − 0.5 = 1, so f̂ → 1/σ.
     assert!((state.estimates.f - 0.5).abs() < 1e-3, "{}", state.estimates.f);
@@ -154,8 +154,9 @@ fn two_ticks() -> Gains {
     Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() }
 }
 
-/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding, whose mean
-/// drives b̂ up: for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms in the first and the last minute.
+/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding,
+/// whose mean drives b̂ up. The test runs for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms
+/// in the first and the last minute.
 fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
     const STEP: f64 = 1e-3;
     const MINUTE: u32 = 60_000;
@@ -174,7 +175,7 @@ fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
         let asked = law.drive(&mut state, reference, x, reference.v.sgn());
         u = asked.clamp(-12.0, 12.0);
         if u == asked {
-            law.learn(&mut state);
+            law.update(&mut state);
         } else {
             law.cut(&mut state, u - asked);
         }

@@ -34,8 +34,8 @@ fn the_catalogue_decides() {
     }
 }
 
-/// The drive that the plant's own definition of the effects needs along (x, v, a): found from its balance of forces, by
-/// bisection where the drive enters the effects.
+/// The drive that the plant's own definition of the effects needs along (x, v, a). It is found from its balance of
+/// forces, by bisection where the drive enters the effects.
 fn needed(effects: &[Effect<f64>], x: f64, v: f64, a: f64) -> f64 {
     let plant = Plant { base: BASE, effects };
     let short = |u: f64| {
@@ -52,8 +52,9 @@ fn needed(effects: &[Effect<f64>], x: f64, v: f64, a: f64) -> f64 {
 }
 
 proptest! {
-    /// The compensator's drive is what the catalogue's hooks need, for each effect and for several together, up to the cap
-    /// on friction (2 % of the break-away level) and the dead zone's ramp (outside ±0.25 V here).
+    /// The compensator's drive is what the catalogue's hooks need, for each effect and for several together.
+    /// Exceptions are the cap on friction (2 % of the break-away level) and the dead zone's ramp (outside ±0.25 V
+    /// here).
     #[test]
     fn the_drive_is_the_models(x in -3.0..3.0_f64, v in 0.01..3.0_f64, backwards in any::<bool>(), a in -20.0..20.0_f64) {
         let v = if backwards { -v } else { v };
@@ -121,8 +122,8 @@ fn wrong_models_are_refused() {
     assert!(Compensator::<f32>::new(&BASE, &[]).unwrap().with_lead(-1.0).is_err());
 }
 
-/// The drive of a tick is held from `d` to `d + 1` ticks after its reading: with the lead it is the mean of the model's force
-/// over that time, to a twentieth of what it is off without.
+/// The drive of a tick is held from `d` to `d + 1` ticks after its reading. With the lead it is the mean of the
+/// model's force over that time, to a twentieth of the error without.
 #[test]
 fn the_lead_is_the_time_until_the_drive_acts() {
     let cogging = [Effect::new(Kind::Cogging, &[0.2, 7.0, 0.5])];

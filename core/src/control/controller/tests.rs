@@ -99,16 +99,16 @@ fn the_limit_holds() {
     let mut state = ControllerState::start(&controller);
     let far = Setpoint { x: 100.0, v: 0.0, a: 0.0 };
     let command = controller.tick(&mut state, far, 0.0);
-    assert_eq!(command, Command { u: 12.0, saturated: true });
+    assert_eq!(command, LimitedDrive { u: 12.0, saturated: true });
     let back = state.pid.integral;
     assert!(back < 0.0 && back.is_finite());
     let command = controller.tick(&mut state, far, f32::NAN);
-    assert_eq!(command, Command { u: 0.0, saturated: true });
+    assert_eq!(command, LimitedDrive { u: 0.0, saturated: true });
     assert_eq!(state.pid.integral, back);
 }
 
-/// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three counts: with the
-/// integral frozen it was 18 % of a step of 2 rad at 3 V and 20 Hz.
+/// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three
+/// counts. With the integral frozen it was 18 % of a step of 2 rad at 3 V and 20 Hz.
 #[test]
 fn a_step_that_saturates_does_not_overshoot() {
     const STEP: f64 = 1e-3;

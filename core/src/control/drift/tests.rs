@@ -113,9 +113,10 @@ fn a_rise_of_friction_is_found_within_two_seconds() {
     check::<Q32>();
 }
 
-/// The same on axes of docs/robustness.md that earlier versions missed or found late: fast damping (c/b is 171/s, of which
-/// the observer has to know), much inertia behind a coarse encoder (a count in 50 ms is an acceleration of six times f1), little
-/// friction behind a fine one. The watch is ready within three periods, or ten where a stroke holds two blocks only.
+/// The same on axes of docs/robustness.md that earlier versions missed or found late. One has fast damping (c/b is
+/// 171/s, which the observer needs). One has much inertia behind a coarse encoder: a count in 50 ms is an
+/// acceleration of six times f1. One has little friction behind a fine encoder. The watch is ready within three
+/// periods, or ten where a stroke holds two blocks only.
 #[test]
 fn a_rise_of_friction_is_found_on_other_axes() {
     for (b, c, f1, counts, periods) in [
@@ -172,7 +173,7 @@ fn it_says_where() {
         assert_eq!(resists, alarm.speed_sign > 0, "{alarm:?}");
         assert!(alarm.force < 0.0, "{alarm:?}");
     }
-    // Friction that rises towards positive positions, and falls towards negative: with the motion's bins over −1..1,
+    // Friction rises towards positive positions, and falls towards negative ones. With the motion's bins over −1..1,
     // resistance is found in the upper half, assistance in the lower.
     let uneven = [Effect::new(Kind::PositionFriction, &[0.5, 1.5, 0.0])];
     let mut axis = Axis::new(plant(BASE, &[]), plant(BASE, &uneven), 30.0);
@@ -184,8 +185,8 @@ fn it_says_where() {
     }
 }
 
-/// No false alarm in ten minutes of simulated running; the goal of less than one an hour is measured over ten hours by
-/// `tests/examples/robustness.rs` (docs/robustness.md).
+/// No false alarm in ten minutes of simulated running. The goal of less than one an hour is measured over ten hours
+/// by `tests/examples/robustness.rs` (docs/robustness.md).
 #[test]
 fn it_is_quiet_while_the_model_holds() {
     let mut axis = Axis::new(plant(BASE, &[]), plant(BASE, &[]), 0.0);

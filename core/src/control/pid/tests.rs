@@ -25,7 +25,7 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
         if saturated {
             pid.cut(&mut state, u.max(-pid.limit()).min(pid.limit()) - u);
         } else {
-            pid.learn(&mut state);
+            pid.update(&mut state);
         }
         let applied = pending;
         pending = u.to_f64().clamp(-12.0, 12.0);
@@ -36,8 +36,8 @@ fn run<R: Fast>(step: f64, ticks: usize) -> [f64; 2] {
     last
 }
 
-/// The same loop in f64, f32 and Q32: positions within a few encoder steps (a rounding at a step's edge may fall either
-/// way, and differs by a step's worth of derivative from there on), which is 20 times below what the loop's error is.
+/// The same loop in f64, f32 and Q32 gives positions within a few encoder steps. A rounding at a step's edge may fall
+/// either way, and differs by a step's worth of derivative from there on. That is 20 times below the loop's error.
 #[test]
 fn scalars_agree() {
     let exact = run::<f64>(1e-3, 3000);
@@ -66,7 +66,7 @@ fn it_is_the_formula() {
         last = Some(e);
         let expected = 60.0 * (50.0 * integral + 10.0 * e + rate);
         let u = pid.drive(&mut state, Setpoint { x: e, v: 0.0, a: 0.0 }, 0.0);
-        pid.learn(&mut state);
+        pid.update(&mut state);
         assert!((u - expected).abs() < 1e-9 * expected.abs().max(1.0), "{k}: {u} {expected}");
     }
 }
@@ -87,10 +87,10 @@ fn the_integral_rests() {
     let wanted = 3.0 / (gains.b * gains.kv * libm::sqrt(gains.lambda1));
     assert!((back.integral / wanted - 1.0).abs() < 1e-12, "{}", back.integral);
     pid.drive(&mut state, rest, 0.9e-3);
-    pid.learn(&mut state);
+    pid.update(&mut state);
     assert_eq!(state.integral, 0.0);
     pid.drive(&mut state, Setpoint { v: 0.1, ..rest }, 0.9e-3);
-    pid.learn(&mut state);
+    pid.update(&mut state);
     assert_eq!(state.integral, -0.9e-3);
 }
 
@@ -129,7 +129,7 @@ fn the_rest_band_is_of_a_reference_at_rest() {
     let integral = |pid: &Pid<f64>, v: f64, a: f64, e: f64| {
         let mut state = PidState::default();
         pid.drive(&mut state, Setpoint { x: e, v, a }, 0.0);
-        pid.learn(&mut state);
+        pid.update(&mut state);
         state.integral
     };
     let banded = pid.with_rest_band(0.25);

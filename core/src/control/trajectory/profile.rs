@@ -63,8 +63,8 @@ struct Segment<R> {
     sixth_j: R,
 }
 
-/// A move from 0 to a distance within limits: trapezoid of velocity, or S-curve with limited jerk; once, or back and
-/// forth with a rest at both ends.
+/// A move from 0 to a distance within limits: trapezoid of velocity, or S-curve with limited jerk. It is made once,
+/// or back and forth with a rest at both ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile<R> {
     segments: [Segment<R>; SEGMENTS],

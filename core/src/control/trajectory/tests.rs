@@ -2,8 +2,8 @@ use super::*;
 use crate::scalar::{Q32, Real};
 use proptest::prelude::*;
 
-/// Velocity and acceleration are the derivatives of the position: central differences over one tick, whose own error is
-/// a sixth (a twelfth) of the next derivative times Ts².
+/// Velocity and acceleration are the derivatives of the position. The test takes central differences over one tick,
+/// whose own error is a sixth (a twelfth) of the next derivative times Ts².
 fn derivatives_hold(at: impl Fn(u32) -> Setpoint<f64>, ticks: u32, tick: f64, third: f64, fourth: f64) {
     for k in 1..ticks {
         let (before, here, after) = (at(k - 1), at(k), at(k + 1));
@@ -57,7 +57,8 @@ fn profiles_keep_their_limits() {
     }
 }
 
-/// The times are those of the closed forms: trapezoid d/v + v/a; S-curve d/v + v/a + a/j, to the rounding of each phase to a tick.
+/// The times are those of the closed forms, to the rounding of each phase to a tick. A trapezoid takes d/v + v/a, an
+/// S-curve d/v + v/a + a/j.
 #[test]
 fn profiles_are_as_fast_as_their_limits_allow() {
     let ticks = f64::from(Profile::<f64>::trapezoid(2.0, 1.5, 8.0, 1e-3).unwrap().ticks());

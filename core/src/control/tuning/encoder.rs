@@ -1,8 +1,9 @@
 //! Tuning behind an encoder: what one count makes of the drive is bounded.
 //!
-//! A count is a step of e, and ė of a step is the faster, the larger. Where the filter of 1/(8·ωc) alone lets a count make too
-//! much of the drive, an observer takes its place. At 16·ωc it is as late as the filter, 7° at the crossover, and a count
-//! makes less; it goes down to 6·ωc, 19°, as far as the encoder needs. What is too much even then asks for less bandwidth.
+//! A count is a step of e, and ė of a step is the faster, the larger. Where the filter of 1/(8·ωc) alone lets a count
+//! make too much of the drive, an observer takes its place. At 16·ωc it is as late as the filter, 7° at the
+//! crossover, and a count makes less. It goes down to 6·ωc, 19°, as far as the encoder needs. What is too much even
+//! then asks for less bandwidth.
 
 use super::{Gains, TuningError, acceptable, largest_bandwidth_hz, tune};
 

@@ -50,8 +50,8 @@ fn wrong_parameters_are_named() {
     }
 }
 
-/// One zero at ωc/4, the other on the plant's pole within ωc/4..4ωc, |L(jωc)| = 1, the filter an eighth of 1/ωc: without
-/// damping, with the pole at ωc, with a hundred times that.
+/// One zero at ωc/4, the other on the plant's pole within ωc/4..4ωc, |L(jωc)| = 1, the filter an eighth of 1/ωc.
+/// Cases are no damping, the pole at ωc, and a hundred times that.
 #[test]
 fn gains_are_those_of_the_design() {
     let w = core::f64::consts::TAU;
@@ -155,8 +155,8 @@ fn zero_is_no_inertia_no_tick_and_no_bandwidth() {
 }
 
 proptest! {
-    /// Whatever is accepted has 30° and a factor of two in hand, by independent means: the sampled loop, simulated with
-    /// twice the gain, decays from a unit error.
+    /// Every accepted design has a margin of 30° and of a factor of two. The check is independent: the sampled loop,
+    /// simulated with twice the gain, decays from a unit error.
     #[test]
     fn accepted_gains_are_stable_with_twice_the_gain(b in 1e-4..10.0_f64, ratio in 0.0..200.0_f64, hz in 0.1..80.0_f64, d in 0..4_u32) {
         let c = b * ratio;

@@ -110,8 +110,8 @@ fn speeds_that_are_nearly_the_same_are_refused() {
     assert!(nearly(4.1e-3).is_ok());
 }
 
-/// Experiments that disagree widen the errors, also where each is exact in itself: those of c and f1 are the line's, that of
-/// b is the error of a mean.
+/// Experiments that disagree widen the errors, also where each is exact in itself. Those of c and f1 are the line's,
+/// and that of b is the error of a mean.
 #[test]
 fn disagreement_is_an_error_too() {
     let mut four = [fit(2.0, 1.5), fit(1.0, 0.7), fit(2.5, 2.0), fit(4.0, 3.5)];

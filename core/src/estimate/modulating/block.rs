@@ -41,8 +41,9 @@ impl<R: SolverReal> Phase<R> {
 /// Sums over the windows of one window frequency of one experiment.
 ///
 /// Each complex equation is turned into the phase of its own ∫φẋ. The part in phase with the velocity (the power
-/// balance) tells c and f1, the part in quadrature tells b. They are kept apart because their noise differs by an order
-/// of magnitude: an error in the time of a reversal turns ∫φ·sgn v by an angle, and so lands in the quadrature part.
+/// balance) tells c and f1, the part in quadrature tells b. They are kept apart because their noise differs by an
+/// order of magnitude. An error in the time of a reversal turns ∫φ·sgn v by an angle, and so lands in the quadrature
+/// part.
 ///
 /// The lag sums hold the products of successive windows: half-overlapping windows share their noise, and without these
 /// the standard errors would be too small.

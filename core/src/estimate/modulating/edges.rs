@@ -28,8 +28,8 @@ pub struct Interval<R> {
 
 /// Reads the sign of the straight line from `start` to `end`.
 ///
-/// A difference of exactly 0 (an encoder that does not move around a reversal) has sign 0 as long as it lasts: the edge
-/// is then spread over the stay. Noise around 0 makes edges forth and back whose mean is the crossing.
+/// A difference of exactly 0 (an encoder that does not move around a reversal) has sign 0 as long as it lasts. The
+/// edge is then spread over the stay. Noise around 0 makes edges forth and back whose mean is the crossing.
 #[inline]
 pub fn interval<R: Real>(start: R, end: R) -> Interval<R> {
     let half = R::from_f64(0.5);

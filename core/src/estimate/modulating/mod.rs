@@ -1,14 +1,14 @@
 //! The recommended streaming estimator of (b, c, f1): modulating functions (docs/theory.md, section 4, item 4).
 //!
-//! The equation of motion is multiplied by a test function φ that vanishes with its slope at both ends of a window and
-//! integrated by parts, so that no derivative of the position is needed:
+//! The equation of motion is multiplied by a test function φ that vanishes with its slope at both ends of a window.
+//! Integration by parts then leaves no derivative of the position:
 //!
 //! `b·∫φẍ + c·∫φẋ + f1·∫φ·sgn v + load·∫φ = ∫φu`
 //!
-//! φ is a Hann window of `L` seconds times `e^(−jω0t)`, ω0 a whole multiple `m` of 2π/L; windows overlap by half; the
-//! real and the imaginary part are one equation each. Nothing needs to be periodic or settled. For m ≥ 2, `∫φ = 0`:
-//! a constant position, a constant load and an offset of the drive drop out. The load, where it is asked for, comes from
-//! an additional plain Hann window, m = 0.
+//! φ is a Hann window of `L` seconds times `e^(−jω0t)`, ω0 a whole multiple `m` of 2π/L. Windows overlap by half. The
+//! real and the imaginary part are one equation each. Nothing needs to be periodic or settled. For m ≥ 2, `∫φ = 0`: a
+//! constant position, a constant load and an offset of the drive drop out. The load, where it is asked for, comes
+//! from an additional plain Hann window, m = 0.
 //!
 //! # What sampling costs
 //! The test function actually used is the *piecewise linear* interpolant of φ's samples, which is as good a test
@@ -20,13 +20,13 @@
 //! - `∫φẋ = −Σ (φ_{k+1} − φ_k)/Ts ∫x` needs `∫x` between samples: the cubic through four samples, error of order
 //!   `(ωTs)⁴/60` relative, and `Ts³/24` times a jump of `ẍ`.
 //!
-//! All position terms are differences, so that an offset costs no precision in f32, and the oscillators' rounding
-//! changes φ a little, which changes nothing: every term uses the same φ.
+//! All position terms are differences, so that an offset costs no precision in f32. The oscillators' rounding changes
+//! φ a little, which has no effect, because every term uses the same φ.
 //!
 //! # Streaming
-//! Two half-overlapping Hann windows add up to one. So the sums with weights E = e^(−jω0t) and H·E over each half-window
-//! give both windows: rising half ΣHE, falling half of the other Σ(1−H)E. Memory is O(1): a delay line of
-//! 2d + 1 samples for the velocity's sign, four sums, and the normal equations, which are kept in f64 or in two f32
+//! Two half-overlapping Hann windows add up to one. So the sums with weights E = e^(−jω0t) and H·E over each
+//! half-window give both windows: rising half ΣHE, falling half of the other Σ(1−H)E. Memory is O(1): a delay line of
+//! 2d + 1 samples for the velocity's sign, four sums, and the normal equations. These are kept in f64 or in two f32
 //! ([`SolverReal::Sum`]; they are touched twice per window only).
 
 mod block;
@@ -122,10 +122,10 @@ impl<R: SolverReal, const F: usize, const LINE: usize> Modulating<R, F, LINE> {
     ///
     /// - `ts`: sample period in seconds.
     /// - `window_samples`: window length L/Ts, rounded up to an even number; for a limit cycle 2·T/Ts.
-    /// - `half_width`: half-width d of the central difference whose sign is the velocity's, in samples: 0.01·T/Ts with
-    ///   little noise, 0.02·T/Ts otherwise. A smaller d lets noise soften the sign (f1 too large: 0.7 % at σ = 1 % of
-    ///   the amplitude with 0.01, 0.2 % with 0.02), a larger one reaches into the drive's switches (b 0.2 % with 0.03).
-    ///   The standard errors do not hold these biases.
+    /// - `half_width`: half-width d of the central difference whose sign is the velocity's, in samples: 0.01·T/Ts
+    ///   with little noise, 0.02·T/Ts otherwise. With a smaller d noise softens the sign (f1 too large: 0.7 % at σ =
+    ///   1 % of the amplitude with 0.01, 0.2 % with 0.02). A larger one reaches into the drive's switches (b 0.2 %
+    ///   with 0.03). The standard errors do not hold these biases.
     /// - `multiples`: the window frequencies ω0·L/2π; 2 for a limit cycle with L = 2T; 0 for the equation that shows the
     ///   constant load.
     /// - `rest_band`: the largest |x_{k+d} − x_{k−d}| that still counts as rest, in position units (about 4σ + one
@@ -330,8 +330,8 @@ impl<R: SolverReal, const F: usize, const LINE: usize> ModulatingState<R, F, LIN
 
     #[inline]
     fn write(&mut self, x: R, u: R) {
-        // Before the record the axis is taken to rest at its first position: the sign's difference is one-sided for the
-        // first d samples, where the window is nearly 0, and no sample is lost.
+        // Before the record the axis is taken to rest at its first position. The sign's difference is one-sided for
+        // the first d samples, where the window is nearly 0, and no sample is lost.
         if self.filled == 0 {
             self.x = [x; LINE];
         }
@@ -370,9 +370,9 @@ impl<R: SolverReal, const F: usize, const LINE: usize> ModulatingState<R, F, LIN
         self.sign = piece.last;
     }
 
-    /// Correction of an edge for the acceleration's jump at a reversal: the central difference of half-width τ sees it
-    /// late by δ = τ(r−1)/(r+1), r = √((h+f1)/(h−f1)) (docs/theory.md, section 4), which is
-    /// τ·tan(½·asin(f1/h)) = τ(f1/2h + f1³/8h³ + …). f1 is not known yet, so the two powers are columns of their own.
+    /// Correction of an edge for the acceleration's jump at a reversal. The central difference of half-width τ sees
+    /// it late by δ = τ(r−1)/(r+1), r = √((h+f1)/(h−f1)) (docs/theory.md, section 4), which is τ·tan(½·asin(f1/h)) =
+    /// τ(f1/2h + f1³/8h³ + …). f1 is not known yet, so the two powers are columns of their own.
     #[cold]
     fn add_edge(&mut self, jump: R, at: R) {
         // Only where the drive reverses the motion; elsewhere (noise at rest) nothing is known about the accelerations.

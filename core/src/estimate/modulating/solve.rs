@@ -122,7 +122,7 @@ const LARGEST_SHARE_ERROR: f64 = 0.25;
 
 /// Solves the blocks of all experiments together.
 ///
-/// Each block is weighted by its residual variance; the edges are corrected with the f1 found (see
+/// Each block is weighted by its residual variance. The edges are corrected with the f1 found (see
 /// [`super::Modulating::push`]); the covariance allows for the noise that half-overlapping windows share.
 ///
 /// # Errors
@@ -132,8 +132,8 @@ pub fn estimate<R: SolverReal>(experiments: &[&[Block<R>]]) -> Result<BaseEstima
     if problem.asks_for_load() { problem.solve::<4>() } else { problem.solve::<3>() }
 }
 
-/// As [`estimate`], for blocks without a window of multiple 0: where none asks for the load, the code that would find it
-/// is not there either (4 KiB on a microcontroller).
+/// As [`estimate`], for blocks without a window of multiple 0. Where no call needs the load, its code is not linked
+/// either (4 KiB on a microcontroller).
 ///
 /// # Errors
 /// As [`estimate`]; and [`Refusal::Undetermined`] names the load where a block asks for it.

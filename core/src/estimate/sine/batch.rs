@@ -36,7 +36,7 @@ pub fn even(y: &[f64], start_s: f64, sample_period_s: f64) -> impl Iterator<Item
 ///
 /// # Errors
 /// [`SineError`]: too few samples or cycles, values that are not finite, a clock that does not increase, a frequency
-/// outside (0, Nyquist), a constant signal, columns that the sampling instants cannot tell apart.
+/// outside (0, Nyquist), a constant signal, or columns that the sampling instants do not separate.
 pub fn fit_fixed<I>(samples: I, omega_rad_s: f64, model: SineModel) -> Result<SineFit, SineError>
 where
     I: Iterator<Item = (f64, f64)> + Clone,
@@ -52,10 +52,10 @@ where
     }
 }
 
-/// Fit with free frequency (memo section 2.2, corrected): grid, then Gauss-Newton to the precision of f64.
-/// `samples` are (time in s, value), time strictly increasing. On a desktop it
-/// takes about 8 µs per sample for [`FrequencySearch::around`]; for long evenly sampled records run
-/// [`StreamingSine`](super::StreamingSine) first (5 ns per sample) and search a few standard errors around its result.
+/// Fit with free frequency (memo section 2.2, corrected): grid, then Gauss-Newton to the precision of f64. `samples`
+/// are (time in s, value), time strictly increasing. On a desktop it takes about 8 µs per sample for
+/// [`FrequencySearch::around`]. For long evenly sampled records run [`StreamingSine`](super::StreamingSine) first (5
+/// ns per sample) and search a few standard errors around its result.
 ///
 /// # Errors
 /// As [`fit_fixed`], and: an empty search range, a best frequency on the range's edge.

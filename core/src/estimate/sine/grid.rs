@@ -1,9 +1,9 @@
 //! Global search over ω: a grid of 1/(4T) at the cost of one record of 16 cycles, whatever the record's length.
 //!
 //! A plain grid over 0.5..2 times the estimate takes 6 points per cycle, each a pass over all samples: too slow for
-//! 10⁴ cycles. So long records are first cut into segments of at most 16 cycles, whose costs (each segment with its own
-//! phase) are added on a grid of 1/(4·segment); then segments 8 times as long are searched within ±2 cells, until one
-//! segment is the record.
+//! 10⁴ cycles. So long records are first cut into segments of at most 16 cycles. Their costs, each segment with its
+//! own phase, are added on a grid of 1/(4·segment). Then segments 8 times as long are searched within ±2 cells, until
+//! one segment is the record.
 
 use super::columns::SineModel;
 use super::normal::Normal;

@@ -1,8 +1,9 @@
 //! Sine fit: `y = A·sin(ωt+θ) + d` by separable least squares (docs/theory.md, section 3).
 //!
 //! With `p = A cos θ`, `q = A sin θ` the model is linear in (p, q, d) and the cost `J(ω) = Σy² − gᵀG⁻¹g` has to be
-//! minimised over ω alone. `fmin` on 0.5..2 times the estimate (the memo's way) is not unimodal (erratum 8); here a grid
-//! no coarser than 1/(4T) hertz finds the cell and a safeguarded Gauss-Newton iteration on dJ/dω refines within it.
+//! minimised over ω alone. `fmin` on 0.5..2 times the estimate (the memo's way) is not unimodal (erratum 8). Here a
+//! grid no coarser than 1/(4T) hertz finds the cell and a safeguarded Gauss-Newton iteration on dJ/dω refines within
+//! it.
 //!
 //! - [`fit_fixed`], [`fit_free`]: a whole record in memory, any (jittered) clock, harmonics and drift on request.
 //! - [`StreamingSine`]: samples as they come, memory for 32 block phasors, for the microcontroller.
@@ -60,8 +61,8 @@ pub enum SineError {
     },
     /// The sampling period is not finite and positive.
     SamplePeriod,
-    /// The (estimated) frequency is not inside (0, limit): Nyquist, a quarter of the sampling rate for the streaming
-    /// fit, or Nyquist over the highest harmonic asked for.
+    /// The (estimated) frequency is not inside (0, limit). The limit is Nyquist, a quarter of the sampling rate for
+    /// the streaming fit, or Nyquist over the highest harmonic.
     Frequency {
         /// The lowest frequency that is too high, rad/s.
         limit_rad_s: f64,
@@ -82,8 +83,8 @@ pub enum SineError {
         /// The frequency to give to [`StreamingSine::new`], rad/s.
         omega_rad_s: f64,
     },
-    /// The streaming fit's blocks hold ten times the power of the sine that they resolve: the signal's frequency is far from
-    /// the one given, or its signal-to-noise ratio is below −10 dB.
+    /// The streaming fit's blocks hold ten times the power of the sine that they resolve. The signal's frequency is
+    /// far from the given one, or its signal-to-noise ratio is below −10 dB.
     OutOfReach,
     /// A count's difference from the first sample, or a block's integer sum, left its range.
     Saturated,

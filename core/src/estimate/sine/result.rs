@@ -48,8 +48,8 @@ pub struct Harmonic<R = f64> {
 
 /// Standard errors: the Cramér–Rao bound of this record at the estimated noise, σ² = RSS/(N − k).
 ///
-/// It is the full bound (the inverse Fisher information with all columns of the model), which for records of many
-/// cycles becomes the closed form of [`cramer_rao`]; at one cycle the offset and ω cost more than the closed form says.
+/// It is the full bound: the inverse Fisher information with all columns of the model. For records of many cycles it
+/// becomes the closed form of [`cramer_rao`]. At one cycle the offset and ω cost more than the closed form says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SineErrors<R = f64> {
     /// Of the amplitude.
@@ -65,7 +65,7 @@ pub struct SineErrors<R = f64> {
 }
 
 /// The closed-form Cramér–Rao bound of docs/theory.md, section 3 for many cycles of a sine of `amplitude` in white
-/// noise of standard deviation `sigma`, sampled `samples` times every `sample_period_s` seconds:
+/// noise of standard deviation `sigma`. The sine is sampled `samples` times every `sample_period_s` seconds:
 /// `var A = 2σ²/N`, `var ω = 24σ²/(A²Ts²N(N²−1))`, `var θ_centre = 2σ²/(A²N)`, `var d = σ²/N`.
 pub fn cramer_rao(amplitude: f64, sigma: f64, samples: usize, sample_period_s: f64) -> SineErrors {
     let n = samples as f64;

@@ -11,7 +11,7 @@
 //!
 //! linear in (p, q, d) by `P = q·cos ωtc + p·sin ωtc`, `Q = p·cos ωtc − q·sin ωtc`, tc the block's centre.
 //!
-//! Angles are integers in fractions of a turn, and the frequency is the oscillator's plus a difference: so f32 loses
+//! Angles are integers in fractions of a turn, and the frequency is the oscillator's plus a difference. So f32 loses
 //! nothing over a long record, whose angles it could not hold. Frequencies are given as half the angle per sample, in
 //! units of 2⁻⁶⁴ turn, because a block's centre may lie between two samples.
 
@@ -334,13 +334,14 @@ struct Noise<R> {
 }
 
 impl<R: SolverReal> Noise<R> {
-    /// Their mean by inverse variance. The product of noise and hidden model is not known from the sums, so with a
-    /// hidden power H the variance of `within` is 2σ⁴n + 4σ²H instead of 2σ⁴n: at 60 dB and ω0 off by 3 % it would be
-    /// worth nothing, and the blocks' residual alone is left.
+    /// Their mean by inverse variance. The sums do not give the product of noise and hidden model. So with a hidden
+    /// power H the variance of `within` is 2σ⁴n + 4σ²H instead of 2σ⁴n. At 60 dB and ω0 off by 3 % it would be worth
+    /// nothing, and the blocks' residual alone is left.
     ///
-    /// Where harmonics make `within` thousands of times `between`, the result hangs on the weight, `between`/H. In f32, H errs
-    /// by 1e-7 of the record's power (measured: 4.75e-3 for 4.51e-3 of 2918, standard errors 0.8 % off), and `between` by
-    /// 0.7 % where the residual is 3e-5 of the signal (5.03e-6 for 4.99e-6 of 5617): its rows are differences, too.
+    /// Where harmonics make `within` thousands of times `between`, the result hangs on the weight, `between`/H. In
+    /// f32, H errs by 1e-7 of the record's power (measured: 4.75e-3 for 4.51e-3 of 2918, standard errors 0.8 % off),
+    /// and `between` by 0.7 % where the residual is 3e-5 of the signal (5.03e-6 for 4.99e-6 of 5617). Its rows are
+    /// differences, too.
     fn variance(&self) -> R {
         let between = self.between / self.between_freedom;
         let n = self.within_freedom;
@@ -353,8 +354,8 @@ impl<R: SolverReal> Noise<R> {
     }
 }
 
-/// Whether the sine found is an alias: a frequency that dephases by more than 3/4 of a cycle per block appears at
-/// another one with less than a tenth of its power, and the rest varies within the blocks.
+/// Whether the sine found is an alias. A frequency that dephases by more than 3/4 of a cycle per block appears at
+/// another one with less than a tenth of its power. The rest varies within the blocks.
 fn is_alias<R: SolverReal>(point: &Point<R, N>, inside: R) -> bool {
     let [p, q, _] = point.theta;
     (p * p + q * q).scale(5.0) < inside

@@ -1,9 +1,9 @@
 //! The streaming fit: block phasors, the form that runs on the microcontroller (docs/theory.md, section 3).
 //!
-//! An oscillator at ω0 demodulates the samples into at most `B` blocks, each with Σy·cos, Σy·sin, Σy; the first blocks
-//! are a quarter period long. When all are used, neighbours are added in pairs and the length doubles: the oscillator's
-//! phase is global, so this is an addition. [`StreamingSine::fit`] then solves for A, ω, θ and d, in f64 or (on the
-//! microcontroller) in f32, in a time that does not depend on the record's length.
+//! An oscillator at ω0 demodulates the samples into at most `B` blocks, each with Σy·cos, Σy·sin, Σy; the first
+//! blocks are a quarter period long. When all are used, neighbours are added in pairs and the length doubles: the
+//! oscillator's phase is global, so this is an addition. [`StreamingSine::fit`] then solves for A, ω, θ and d, in f64
+//! or (on the microcontroller) in f32. Its time does not depend on the record's length.
 
 use super::sample::Sample;
 use super::solve::{self, Block};
@@ -18,12 +18,12 @@ const FEWEST_SAMPLES: u64 = 2 * SHORTEST_BLOCK;
 
 /// Configuration of a streaming fit: the demodulation frequency and the clock. The state is a [`BlockSums`].
 ///
-/// `R` is the number that the fit is solved in. In f32 a residual below 3e-4 of the amplitude is lost in rounding (standard
-/// errors at 60 dB are off by 11 %); A, ω and d are good to 1e-6, and the limit cycle of a relay, with 4 % of harmonics,
-/// has standard errors good to 1e-3 but in one record of a hundred, where the harmonics leave next to nothing between the
-/// blocks and the frequency is within 1 % of the one given: there to some per cent, and in one of 6 000 to 30 %. What the
-/// blocks do not see of the sine (1.5e-6 of its power at 0.13 % off) is then a difference that f32 knows to 1e-7 of the
-/// power, and decides what the noise is taken from.
+/// `R` is the number that the fit is solved in. In f32 a residual below 3e-4 of the amplitude is lost in rounding
+/// (standard errors at 60 dB are off by 11 %). A, ω and d are good to 1e-6. The limit cycle of a relay, with 4 % of
+/// harmonics, has standard errors good to 1e-3 in 99 of 100 records. In the others the harmonics leave next to
+/// nothing between the blocks and the frequency is within 1 % of the given one. There they are good to some per cent,
+/// and in one of 6 000 to 30 %. The blocks do not see a small part of the sine (1.5e-6 of its power at 0.13 % off).
+/// f32 knows that part, a difference, to 1e-7 of the power, and it decides the source of the noise.
 ///
 /// ```
 /// use breakaway_core::estimate::sine::{BlockSums, StreamingSine};

@@ -5,7 +5,7 @@ use core::f64::consts::{PI, TAU};
 use super::{Effect, Role};
 
 impl Effect<f64> {
-    /// The same effect with every phase in (−π, π] and the amplitude of every phase not negative: a negative one is
+    /// The same effect with every phase in (−π, π] and the amplitude of every phase not negative. A negative one is
     /// turned by adding π to its phase. Forces differ by the rounding of a phase; a canonical effect is returned to
     /// the bit, and so is a phase that is not finite.
     #[must_use]

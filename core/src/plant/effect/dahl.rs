@@ -7,7 +7,7 @@ use crate::scalar::Real;
 /// Why no other law with bristles stands beside this one.
 pub(super) const ONE_BRISTLE: &str = "a model has at most one bristle state";
 /// Why a level at rest does not stand beside bristles.
-pub(super) const BRISTLES_AT_REST: &str = "bristles carry the friction at rest too, so a level at rest has no effect";
+pub(super) const BRISTLES_AT_REST: &str = "bristles also carry the friction at rest";
 
 /// Dahl presliding: `friction σ·z, ż = v·(1 − σ·z·sgn v / f1)`.
 #[derive(Clone, Copy, Debug)]

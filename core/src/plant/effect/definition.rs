@@ -40,8 +40,8 @@ pub struct Definition {
     pub generalises: &'static [&'static str],
     /// Effects that cannot stand beside it in one model; each of them says the same of this one.
     pub excludes: &'static [Relation],
-    /// Effects that look like what remains when this one is in the model, as its law idealises something: to name one
-    /// of them beside it takes other evidence than the simulation's.
+    /// Effects that look like the residual of this one, whose law idealises something. To name one of them beside it
+    /// takes other evidence than the simulation's.
     pub residue: &'static [Relation],
     /// Whether several of it may stand in one model, with wave numbers of their own.
     pub repeats: bool,

@@ -49,9 +49,9 @@ pub struct Held<'a> {
 /// Extra state of one effect: bristle, second inertia, filtered drive.
 pub type Memory<R> = [R; 3];
 
-/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and only
-/// those of the place where the effect [acts](Definition::acts_in) are called: D, F, M, S as marked; `inertia` and
-/// `compensation` of any.
+/// A physical effect: a definition and the hooks through which it acts. Every hook defaults to "no influence", and
+/// only those of the place where the effect [acts](Definition::acts_in) are called. D, F, M and S mark them;
+/// `inertia` and `compensation` of any.
 ///
 /// `p` holds the parameters in the order of [`Definition::parameters`].
 pub trait Law {
@@ -82,15 +82,15 @@ pub trait Law {
     fn inertia<R: Real>(_p: &[R], _t: R, _memory: &Memory<R>) -> R {
         R::ONE
     }
-    /// M: mean reaction of the extra mechanics on the motor over a sub-step `h` in which the motor moves at
-    /// `mid.v` through `mid.x`; advances the memory.
+    /// M: mean reaction of the extra mechanics on the motor over a sub-step `h` in which the motor moves at `mid.v`
+    /// through `mid.x`. Advances the memory.
     fn mechanics<R: Real>(_p: &[R], _base: &Base<R>, _mid: &Instant<R>, _memory: &mut Memory<R>, _h: f64) -> R {
         R::ZERO
     }
     /// Whether the effect has a memory, which must be brought up to date before a segment.
     const REMEMBERS: bool = false;
-    /// How many numbers of the memory, from the first, a fit has to find at the start of a segment: the bristle, or the
-    /// position and velocity of a second body. At most 2.
+    /// How many numbers of the memory, from the first, a fit has to find at the start of a segment. They are the
+    /// bristle, or the position and velocity of a second body. At most 2.
     const FREE_MEMORY: usize = 0;
     /// Whether a parameter on a grid is a threshold: small steps of it change nothing, so gradients cannot find it.
     const THRESHOLD: bool = false;

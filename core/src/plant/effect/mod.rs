@@ -1,9 +1,9 @@
 //! The catalogue of named physical effects (docs/effects.md): one file per effect.
 //!
-//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters with their roles, where
-//! it acts, what shows it, how it relates to other effects) and only the hooks through which it acts and is compensated.
-//! What is specific to an effect stands in its file and nowhere else. The list at the end of this file is the catalogue;
-//! naming, fitting, reporting and the file format follow from it.
+//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters with their roles,
+//! where it acts, what shows it, how it relates to other effects). It has only the hooks through which it acts and is
+//! compensated. What is specific to an effect stands in its file and nowhere else. The list at the end of this file
+//! is the catalogue; naming, fitting, reporting and the file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
 mod canonical;
@@ -110,7 +110,7 @@ macro_rules! catalogue {
                 match self { $(Self::$law => <$law as Law>::REMEMBERS,)* }
             }
             /// Index of the parameter that is the width of a gap, in which a second body may be anywhere about the
-            /// motor; `None` for an effect without one.
+            /// motor. `None` for an effect without one.
             pub const fn gap(self) -> Option<usize> {
                 match self { $(Self::$law => const { <$law as Law>::DEFINITION.gap() },)* }
             }

@@ -18,8 +18,8 @@ pub enum Search {
     Spectrum(Over),
     /// It is tried at these multiples of a quantity of the recordings.
     Grid(Scale, &'static [f64]),
-    /// It is the angular frequency of a body on a spring, rad/s, and is tried from the first to the second value, as
-    /// far apart as a segment tells two of them.
+    /// It is the angular frequency of a body on a spring, rad/s. It is tried from the first to the second value, in
+    /// the steps that a segment resolves.
     Resonance(f64, f64),
 }
 

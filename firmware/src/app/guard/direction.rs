@@ -4,9 +4,10 @@
 //! - work `∫u·v dt = kinetic + elastic energy + losses ≥ 0`;
 //! - `∫u·dv = f1·|v| + c·v²/2 + b·∫a² dt ≥ 0` where nothing elastic acts (`u = b·a + c·v + f1·sgn v`; docs/theory.md, section 2).
 //!
-//! With the wrong sign of v both fall below 0 and go on falling. An axis that is right keeps one of them: an elastic or a
-//! late one the first, one that a load drives or that was coasting the second. So both must fall by what the settings call
-//! motion against the drive. What changes its sign often, as noise and the drive that answers it, adds to neither.
+//! With the wrong sign of v both fall below 0 and go on falling. A rightly connected axis keeps one of them positive.
+//! For an elastic or a late axis it is the first. For one that a load drives, or that was coasting, it is the second.
+//! So both must fall by what the settings call motion against the drive. What changes its sign often, as noise and
+//! the drive that answers it, adds to neither.
 
 use super::settings::Guards;
 use crate::board::{FULL_SCALE, travel};
@@ -30,8 +31,8 @@ pub(super) struct Direction {
     unit: i64,
 }
 
-/// Speed gained against full drive, counts per block: noise of two counts either way changes the difference of two blocks by as
-/// much, and no more.
+/// Speed gained against full drive, counts per block. Noise of two counts either way changes the difference of two
+/// blocks by as much, and no more.
 const GAINED_COUNTS: i64 = 8;
 
 impl Direction {

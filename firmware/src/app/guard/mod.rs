@@ -5,4 +5,4 @@ mod settings;
 mod watch;
 
 pub use settings::Guards;
-pub(super) use watch::{Held, Observation, Verdict, Watch};
+pub(super) use watch::{GuardOutcome, Held, Observation, Watch};

@@ -22,7 +22,7 @@ pub(in crate::app) struct Observation {
 
 /// What the guards say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Verdict {
+pub(in crate::app) enum GuardOutcome {
     /// Go on.
     Fine,
     /// End the run.
@@ -58,8 +58,8 @@ pub(in crate::app) struct Watch {
     mean_drive: u32,
     /// The count at the last motion: the axis moves when it leaves a window around it.
     anchor: i32,
-    /// Ticks since then with a drive at which it must move, in all and whichever way: a drive that changes its sign, or is weaker
-    /// for a while, is no motion.
+    /// Ticks since then with a drive at which it must move, in all and whichever way. A drive that changes its sign,
+    /// or is weaker for a while, is no motion.
     still_ticks: u32,
     silent_ticks: u32,
     direction: Direction,
@@ -103,7 +103,7 @@ impl Watch {
 
     /// One tick. Faults come before limits: a run that ends for a limit must not hide what is broken.
     #[inline]
-    pub(in crate::app) fn look(&mut self, guards: &Guards, seen: Observation) -> Verdict {
+    pub(in crate::app) fn check(&mut self, guards: &Guards, seen: Observation) -> GuardOutcome {
         let distance = travel(self.start, seen.count);
         if travel(self.anchor, seen.count).unsigned_abs() >= MOTION_COUNTS {
             self.anchor = seen.count;
@@ -116,18 +116,18 @@ impl Watch {
             }
         }
         if let Some(counts) = self.direction.wrong(guards, seen.count, seen.drive) {
-            return Verdict::Fault(FaultCause::WrongDirection, counts, guards.direction_counts);
+            return GuardOutcome::Fault(FaultCause::WrongDirection, counts, guards.direction_counts);
         }
         self.silent_ticks = if seen.alive { 0 } else { self.silent_ticks.saturating_add(1) };
         if self.silent_ticks >= guards.silent_ticks {
             let limit = guards.ms(guards.silent_ticks);
-            return Verdict::Fault(FaultCause::LinkLost, guards.ms(self.silent_ticks), limit);
+            return GuardOutcome::Fault(FaultCause::LinkLost, guards.ms(self.silent_ticks), limit);
         }
         self.limit(guards, seen, distance)
     }
 
-    fn limit(&mut self, guards: &Guards, seen: Observation, distance: i32) -> Verdict {
-        let end = |limit, value| Verdict::End(Ending::Limit { limit, value });
+    fn limit(&mut self, guards: &Guards, seen: Observation, distance: i32) -> GuardOutcome {
+        let end = |limit, value| GuardOutcome::End(Ending::Limit { limit, value });
         if distance.unsigned_abs() > self.limits.travel_counts {
             return end(Limit::Bound, distance);
         }
@@ -147,20 +147,20 @@ impl Watch {
         if mean > u32::from(guards.mean_drive_code.unsigned_abs()) {
             return end(Limit::MeanDrive, mean as i32);
         }
-        Verdict::Fine
+        GuardOutcome::Fine
     }
 
-    /// An axis that never moved may simply be stuck below break-away; one that did, or one under a drive at which it
-    /// must move, has lost its encoder.
+    /// An axis that never moved may simply be stuck below break-away. One that did move, or one under a drive at
+    /// which it must move, has lost its encoder.
     #[cold]
-    fn frozen(&self, guards: &Guards) -> Verdict {
+    fn frozen(&self, guards: &Guards) -> GuardOutcome {
         if let (Some(at), true) = (self.stop_at, self.moved) {
-            return Verdict::Stop(at);
+            return GuardOutcome::Stop(at);
         }
         if self.may_stick && !self.moved {
-            return Verdict::End(Ending::NoLimitCycle);
+            return GuardOutcome::End(Ending::NoLimitCycle);
         }
         let ticks = |ticks| i32::try_from(ticks).unwrap_or(i32::MAX);
-        Verdict::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
+        GuardOutcome::Fault(FaultCause::EncoderFrozen, ticks(self.still_ticks), ticks(guards.frozen_ticks))
     }
 }

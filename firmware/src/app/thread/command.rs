@@ -16,7 +16,7 @@ use crate::storage::Store;
 
 impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
     #[inline(never)]
-    pub(super) fn obey(&mut self, request: Request) {
+    pub(super) fn answer_request(&mut self, request: Request) {
         let Request { id, command } = request;
         if let Err(error) = command.validate().and_then(|()| self.decide(id, command)) {
             self.outbox.reply(id, Reply::Error(error));
@@ -41,13 +41,13 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             }
             Command::GetModel => self.outbox.reply(id, Reply::Model(self.model.clone())),
             Command::LoadModel(model) => {
-                self.idle()?;
+                self.mode().idle()?;
                 self.saved &= self.model.as_ref() == Some(&model);
                 self.model = Some(model);
                 self.done(id);
             }
             Command::Save => {
-                self.idle()?;
+                self.mode().idle()?;
                 self.store.save(&self.settings, self.model.as_ref()).map_err(|_| CommandError::Storage)?;
                 self.saved = true;
                 self.done(id);
@@ -140,14 +140,6 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         let run = if track.trajectory == Trajectory::Hold { RunOrder::Hold(plan) } else { RunOrder::Track(plan) };
         self.start(id, run, track.bounds, Then::Track(*track));
         Ok(())
-    }
-
-    fn idle(&self) -> Result<(), CommandError> {
-        match self.mode() {
-            Mode::Idle => Ok(()),
-            Mode::Fault => Err(CommandError::Faulted),
-            mode => Err(CommandError::Busy(mode)),
-        }
     }
 
     fn mode(&self) -> Mode {

@@ -1,7 +1,7 @@
 //! The watch over the model's validity while a trajectory is followed.
 //!
-//! It runs on the samples here in the thread, outside the tick. Each run teaches it anew: the first stroke and a half of
-//! either direction are what the model leaves out along this reference, later ones are compared with them
+//! It runs on the samples here in the thread, outside the tick. Each run sets it anew. The first stroke and a half of
+//! either direction show what the model leaves out along this reference. Later ones are compared with them
 //! ([`breakaway_core::control::DriftWatch`]).
 
 use breakaway_core::control::{DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};

@@ -1,8 +1,8 @@
 //! On-board identification: from the samples of relay experiments to (b, c, f1) with standard errors.
 //!
 //! The first whole cycle tells the period T. From then on the weak form over windows of 2T sums in f32, here in the
-//! thread; once the period keeps, the tick sums the sine fit in integers. [`Identification::solve`] then takes a time that does not depend on
-//! the record.
+//! thread. Once the period is steady, the tick sums the sine fit in integers. [`Identification::solve`] then takes a
+//! time that does not depend on the record.
 
 mod cycle;
 
@@ -10,7 +10,8 @@ use breakaway_core::estimate::limit_cycle::{DetectorSettings, DetectorState, Lim
 use breakaway_core::estimate::modulating::{Block, Modulating, ModulatingState, estimate_base};
 use breakaway_core::estimate::sine::SineFit;
 use breakaway_core::link::{
-    CommandError, Ending, Estimate, FULL_SCALE_CODE, Identified, Mode, Relay, Sample, Settings, Sine, Verdict,
+    CommandError, Ending, Estimate, FULL_SCALE_CODE, IdentificationVerdict, Identified, Mode, Relay, Sample, Settings,
+    Sine,
 };
 use heapless::Vec;
 
@@ -24,7 +25,7 @@ const LINE: usize = 128;
 const EXPERIMENTS: usize = 2;
 /// Half-width of the velocity's sign in periods (docs/theory.md, section 4: 0.01 to 0.02).
 const HALF_WIDTH: f32 = 0.01;
-/// Relative change from one period to the next below which the sine fit starts: at 100 cycles and 32 blocks it may be
+/// Relative change from one period to the next below which the sine fit starts. At 100 cycles and 32 blocks it may be
 /// wrong by 4 % (docs/theory.md, section 3: B ≥ 8·M·|ε|).
 const STEADY: f32 = 0.02;
 /// Relative change of period and amplitude still to come at which a cycle has settled.
@@ -193,7 +194,7 @@ impl Identification {
             return Err(CommandError::NothingRecorded);
         }
         let mut identified = Identified {
-            verdict: Verdict::Gaps,
+            verdict: IdentificationVerdict::Gaps,
             b: Estimate::default(),
             c: Estimate::default(),
             f1: Estimate::default(),
@@ -210,7 +211,7 @@ impl Identification {
         match estimate_base(&experiments) {
             Ok(found) => {
                 let [b, c, f1, _] = found.standard_errors;
-                identified.verdict = Verdict::Determined;
+                identified.verdict = IdentificationVerdict::Determined;
                 identified.b = Estimate { value: found.b, se: b };
                 identified.c = Estimate { value: found.c, se: c };
                 identified.f1 = Estimate { value: found.f1, se: f1 };
@@ -218,7 +219,7 @@ impl Identification {
                 identified.condition = found.condition;
                 identified.windows = found.windows;
             }
-            Err(refusal) => identified.verdict = Verdict::from(refusal),
+            Err(refusal) => identified.verdict = IdentificationVerdict::from(refusal),
         }
         Ok(identified)
     }

@@ -290,7 +290,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             match request {
                 Ok(request) => {
                     self.channels.alive();
-                    self.obey(request);
+                    self.answer_request(request);
                     return;
                 }
                 Err(rejected) => {

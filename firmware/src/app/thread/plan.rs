@@ -1,21 +1,19 @@
 //! From a command to what the controller in the tick needs.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, AdaptiveError, Compensator, Controller as Law, Estimates, Fast, Gains, Phases, Pid, Profile,
-    Sine, TuningError, lead_s, least_delta,
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller, Estimates, Fast, Gains, Phases, Pid, Profile, Sine,
+    TuningError, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
-use breakaway_core::link::{
-    CommandError, Controller as Wire, FULL_SCALE_CODE, Field, Model, Settings, Track, Trajectory,
-};
+use breakaway_core::link::{CommandError, ControllerGains, FULL_SCALE_CODE, Field, Model, Settings, Track, Trajectory};
 use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
 
-use crate::app::control::{Controller, NoController};
+use crate::app::control::{NoController, PositionController};
 use crate::app::track::{Path, TrackController, TrackPlan};
 
-/// Makes plans for a [`Controller`].
+/// Makes plans for a [`PositionController`].
 pub trait Planner {
-    /// As [`Controller::Plan`].
+    /// As [`PositionController::Plan`].
     type Plan: Clone;
 
     /// The plan for a checked command.
@@ -32,7 +30,7 @@ pub trait Planner {
 }
 
 impl Planner for NoController {
-    type Plan = <NoController as Controller>::Plan;
+    type Plan = <NoController as PositionController>::Plan;
 
     fn plan(&self, _: &Track, _: Option<&Model>, _: &Settings, _: u32) -> Result<Self::Plan, CommandError> {
         Err(CommandError::Unsupported)
@@ -66,7 +64,7 @@ impl<R: Fast> Planner for TrackController<R> {
         let limit = settings.drive_full_scale * f32::from(limit_code) / f32::from(FULL_SCALE_CODE);
         let (path, speed, acceleration) = path(&track.trajectory, tick_hz)?;
         let law = match track.controller {
-            Wire::Pid(wire) => {
+            ControllerGains::Pid(wire) => {
                 let kd = wire.kd;
                 if kd <= 0.0 {
                     return Err(CommandError::Range(Field::Kd));
@@ -80,9 +78,9 @@ impl<R: Fast> Planner for TrackController<R> {
                     observer_rad_s: wire.error_rate.observer_rad_s,
                 };
                 let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
-                Law::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
+                Controller::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
-            Wire::Adaptive(wire) => {
+            ControllerGains::Adaptive(wire) => {
                 let gains = Gains {
                     b: base.b,
                     kv: wire.kv,
@@ -107,7 +105,7 @@ impl<R: Fast> Planner for TrackController<R> {
                 };
                 let adaptation = Adaptation { gains: scaled, ..unit };
                 let law = Adaptive::new(&gains, &adaptation, &start, tick_s, 1, limit);
-                Law::adaptive(law.map_err(|error| CommandError::Range(adaptive(error)))?)
+                Controller::adaptive(law.map_err(|error| CommandError::Range(adaptive(error)))?)
             }
         };
         let law = match compensator(track, model, &base, tick_s)? {

@@ -5,7 +5,7 @@ use breakaway_core::link::{CommandError, Ended};
 use super::Tick;
 use crate::app::accumulate::Accumulation;
 use crate::app::channels::TickEvent;
-use crate::app::control::Controller;
+use crate::app::control::PositionController;
 use crate::board::Board;
 
 /// What the thread has not been told yet.
@@ -21,7 +21,7 @@ pub(super) struct Unsent<'a> {
     pub sums: Option<Accumulation<'a>>,
 }
 
-impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
+impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     /// Sends one event, if there is one and room for it.
     #[inline]
     pub(super) fn send(&mut self) {

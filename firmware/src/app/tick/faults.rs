@@ -3,11 +3,11 @@
 use breakaway_core::link::{CommandError, Ending, FaultCause, FaultRecord, Limit};
 
 use super::{Tick, clamped};
-use crate::app::control::Controller;
+use crate::app::control::PositionController;
 use crate::app::memory::Remembered;
 use crate::board::{Applied, Board, Drive, Protection, Retained, Trip};
 
-impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
+impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     /// Latches a fault with the numbers that said so.
     #[cold]
     pub(super) fn fail(&mut self, cause: FaultCause, value: i32, limit: i32) {

@@ -9,8 +9,8 @@ use breakaway_core::link::{Bounds, Ending, FaultCause, FaultRecord, Mode, Sample
 
 use super::accumulate::Accumulation;
 use super::channels::TickEnd;
-use super::control::Controller;
-use super::guard::{Guards, Observation, Verdict};
+use super::control::PositionController;
+use super::guard::{GuardOutcome, Guards, Observation};
 use super::memory::Remembered;
 use super::run::{Run, RunLimits, Source};
 use crate::board::{Applied, Board, Clock, Drive, Encoder, Protection, Retained, elapsed_us, travel};
@@ -36,13 +36,13 @@ impl TickSettings {
 /// The control loop's state.
 ///
 /// [`Tick::tick`] is called once per period from the timer's interrupt, above everything that may take long. Its
-/// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half a
-/// period late, does not feed the watchdog; as many of them in a row as the settings say latch
-/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is driven: a core
-/// that a debugger has halted does not go on driving.
+/// deadline is [`TickSettings::deadline_us`] after its start. A tick that takes longer, or that starts more than half
+/// a period late, does not feed the watchdog. As many of them in a row as the settings say latch
+/// [`FaultCause::TickOverrun`] if a run is under way. So do as many that did not come at all, before anything is
+/// driven. A core that a debugger has halted therefore does not go on driving.
 ///
 /// It never blocks, never allocates, and cannot panic; experiments use integers only.
-pub struct Tick<'q, 'a, B: Board, C: Controller> {
+pub struct Tick<'q, 'a, B: Board, C: PositionController> {
     board: B,
     controller: C,
     channels: TickEnd<'q, 'a, C::Plan>,
@@ -63,7 +63,7 @@ pub struct Tick<'q, 'a, B: Board, C: Controller> {
     unsent: events::Unsent<'a>,
 }
 
-impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
+impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
     /// Starts with the drive off; in [`Mode::Fault`] if the retained memory holds a fault, or a run that a reset cut
     /// short.
     pub fn new(
@@ -139,13 +139,13 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let alive = self.channels.alive();
         if let Ok(count) = self.board.encoder().count() {
             let count = if self.guards.reversed { count.wrapping_neg() } else { count };
-            self.obey(count.wrapping_add(self.zero_offset));
-            self.pass(count.wrapping_add(self.zero_offset), alive);
+            self.take_order(count.wrapping_add(self.zero_offset));
+            self.process_reading(count.wrapping_add(self.zero_offset), alive);
         } else {
             // No sample: a position that was not read must not be recorded.
             self.fail(FaultCause::EncoderError, 0, 0);
             self.last_count = None;
-            self.obey(0);
+            self.take_order(0);
         }
         self.send();
         let took_us = elapsed_us(start_us, self.board.clock().now_us());
@@ -170,7 +170,7 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         in_time
     }
 
-    fn pass(&mut self, count: i32, alive: bool) {
+    fn process_reading(&mut self, count: i32, alive: bool) {
         let moved = self.last_count.map_or(0, |last| travel(last, count));
         self.last_count = Some(count);
         if moved.unsigned_abs() > self.guards.jump_counts {
@@ -200,14 +200,14 @@ impl<'q, 'a, B: Board, C: Controller> Tick<'q, 'a, B, C> {
         let Some(run) = &mut self.run else {
             return;
         };
-        match run.watch.look(&self.guards, seen) {
-            Verdict::Fine => {}
-            Verdict::End(ending) => self.end(ending),
-            Verdict::Stop(at) => {
+        match run.watch.check(&self.guards, seen) {
+            GuardOutcome::Fine => {}
+            GuardOutcome::End(ending) => self.end(ending),
+            GuardOutcome::Stop(at) => {
                 self.end(Ending::Homed);
                 self.zero(seen.count, at);
             }
-            Verdict::Fault(cause, value, limit) => self.fail(cause, value, limit),
+            GuardOutcome::Fault(cause, value, limit) => self.fail(cause, value, limit),
         }
     }
 

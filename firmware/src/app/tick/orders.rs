@@ -5,17 +5,17 @@ use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultCause, Mode
 use super::Tick;
 use crate::app::accumulate::Accumulation;
 use crate::app::channels::Order;
-use crate::app::control::Controller;
+use crate::app::control::PositionController;
 use crate::app::excite::{Excitation, Exciter};
 use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
 use crate::board::{Applied, Board, Drive, Retained, travel};
 
-impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
+impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
     #[inline(always)]
-    pub(super) fn obey(&mut self, count: i32) {
+    pub(super) fn take_order(&mut self, count: i32) {
         if self.channels.orders.ready() {
             self.carry_out(count);
         } else if self.channels.runs.ready() {
@@ -23,18 +23,10 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
         }
     }
 
-    fn idle(&self) -> Result<(), CommandError> {
-        match self.mode() {
-            Mode::Idle => Ok(()),
-            Mode::Fault => Err(CommandError::Faulted),
-            mode => Err(CommandError::Busy(mode)),
-        }
-    }
-
     #[cold]
     #[inline(never)]
     fn begin(&mut self, count: i32) {
-        let answer = self.idle().and_then(|()| self.start(count));
+        let answer = self.mode().idle().and_then(|()| self.start(count));
         let _ = self.channels.runs.dequeue();
         self.answer(answer);
     }
@@ -42,7 +34,7 @@ impl<B: Board, C: Controller> Tick<'_, '_, B, C> {
     #[cold]
     #[inline(never)]
     fn carry_out(&mut self, count: i32) {
-        let idle = self.idle();
+        let idle = self.mode().idle();
         let Some(order) = self.channels.orders.dequeue() else {
             return;
         };

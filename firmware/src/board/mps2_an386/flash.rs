@@ -1,5 +1,5 @@
-//! Two pages of simulated flash: in PSRAM, which a reset leaves alone, and in a file of the host by semihosting, where
-//! QEMU was given one (`-semihosting-config enable=on,target=native,arg=image,arg=FILE`).
+//! Two pages of simulated flash. They are in PSRAM, which a reset leaves alone, and in a file of the host by
+//! semihosting, where QEMU was given one (`-semihosting-config enable=on,target=native,arg=image,arg=FILE`).
 
 use cortex_m_semihosting::{nr, syscall};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};

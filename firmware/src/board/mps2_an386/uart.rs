@@ -62,8 +62,8 @@ impl Uart {
     }
 }
 
-/// The link's UART with a buffer behind it that holds what the host is slow to take, as the USB bridge of a real board
-/// does: the emulated board does not wait for a busy machine.
+/// The link's UART with a buffer behind it for bytes that a slow host has not read, like the USB bridge of a real
+/// board. The emulated board does not wait for a busy machine.
 #[derive(Debug)]
 pub struct Link {
     uart: Uart,

@@ -1,9 +1,9 @@
 //! A full bridge on TIM1: two half bridges, each with complementary inputs and dead time, made into the inputs of a
 //! [`SignMagnitude`] drive.
 //!
-//! A positive drive switches leg A and holds leg B low; a negative one the other way round; no duty holds both low, which brakes;
-//! off opens all four switches.
-//! The registers are written without the HAL, whose checks could panic in the tick.
+//! A positive drive switches leg A and holds leg B low; a negative one the other way round. No duty holds both low,
+//! which brakes. Off opens all four switches. The registers are written without the HAL, whose checks could panic in
+//! the tick.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -151,8 +151,8 @@ impl OutputPin for Enable {
         Ok(())
     }
 
-    /// While the break input is active the timer keeps its outputs off whatever is asked of it; the tick sees that by
-    /// [`take_break`], which is why a trip from before is forgotten here.
+    /// While the break input is active the timer keeps its outputs off, whatever the command is. The tick sees that
+    /// by [`take_break`], which is why a trip from before is forgotten here.
     fn set_high(&mut self) -> Result<(), Infallible> {
         take_break();
         pac::TIM1.bdtr().modify(|break_and_dead_time| break_and_dead_time.set_moe(true));

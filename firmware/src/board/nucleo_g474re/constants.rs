@@ -24,7 +24,7 @@ pub const PWM_HZ: u32 = 20_000;
 /// PWM counts of full duty: the timer counts up to them and down again in one period.
 pub const PWM_COUNTS: u16 = (CORE_HZ / PWM_HZ / 2) as u16;
 /// Dead time between the two switches of a leg, core clocks: 494 ns. Longer than the turn-off of common 30 A bridges
-/// (under 300 ns); for yours, take the turn-off delay plus fall time from its data sheet and add half. Even, so that
+/// (under 300 ns). For yours, take the turn-off delay plus fall time from its data sheet and add half. Even, so that
 /// [`DEAD_TIME_COUNTS`] is exact.
 pub const DEAD_TIME_CLOCKS: u16 = 84;
 /// The dead time as TIM1 takes it (RM0440, DTG): in steps of 1, 2 or 8 clocks, the longer the coarser. One that does not lie on a
@@ -43,8 +43,8 @@ pub const DRIVE_MAX_CODE: i16 = (FULL_SCALE as i32 * 95 / 100) as i16;
 /// The level at which the break input switches off. High with a pull-up: a cut wire and a missing plug switch off. For
 /// a power stage whose fault output is low when tripped (open drain), `ACTIVE_LOW`; then a cut wire is not noticed.
 pub const BREAK_LEVEL: Bkp = Bkp::ACTIVE_HIGH;
-/// The break input must stay for 8 samples at 1/8 of the core clock, 0.38 µs: longer than the spikes of a switching leg,
-/// a tenth of what a short circuit takes to destroy a transistor.
+/// The break input must stay for 8 samples at 1/8 of the core clock, 0.38 µs. That is longer than the spikes of a
+/// switching leg, and a tenth of what a short circuit takes to destroy a transistor.
 pub const BREAK_FILTER: FilterValue = FilterValue::FDTS_DIV8_N8;
 /// What is wired to the break input (D12). Where that is the fault output of the power stage: `Trip::Break(1)`.
 pub const BREAK_PIN: Trip = Trip::EmergencyStop;
@@ -58,12 +58,12 @@ pub const TIM1_FUNCTION: u8 = 6;
 /// That which is TIM2 on PA0 and PA1.
 pub const TIM2_FUNCTION: u8 = 1;
 
-/// An encoder edge must stay for 8 samples at 1/4 of the core clock, 0.19 µs: bounce and cross-talk are shorter, and a
+/// An encoder edge must stay for 8 samples at 1/4 of the core clock, 0.19 µs. Bounce and cross-talk are shorter. A
 /// quarter of a line at the fastest motor is longer (10 000 lines at 6000 rpm: 0.25 µs).
 pub const ENCODER_FILTER: FilterValue = FilterValue::FDTS_DIV4_N8;
 
-/// The watchdog resets the board after this many µs without a good tick: 50 ticks, more than a run tolerates late ones
-/// ([`breakaway_core::link::Settings::overrun_limit`]), so that the fault with its cause comes first.
+/// The watchdog resets the board after this many µs without a good tick. That is 50 ticks, more than a run tolerates
+/// late ones ([`breakaway_core::link::Settings::overrun_limit`]), so that the fault with its cause comes first.
 pub const WATCHDOG_US: u32 = 5_000;
 /// The watchdog's reload value: steps of 4 periods of the LSI, 32 kHz.
 pub const WATCHDOG_RELOAD: u16 = (WATCHDOG_US / 4 * 32 / 1000 - 1) as u16;
@@ -78,8 +78,8 @@ pub const RECEIVE_BYTES: usize = 128;
 /// Most bytes in one DMA transfer to the host, 1.4 ms; while one is sent the next is collected.
 pub const SEND_BYTES: usize = 128;
 
-/// Bytes of flash before the settings: the last two pages of bank 2. Code is in bank 1 (memory.x), so that the core goes on
-/// fetching from there while bank 2 is erased (RM0440, read while write): ticks are not held up by a save.
+/// Bytes of flash before the settings: the last two pages of bank 2. Code is in bank 1 (memory.x), so that the core
+/// goes on fetching from there while bank 2 is erased (RM0440, read while write). So a save does not delay ticks.
 pub const SETTINGS_AT: u32 = (512 - 4) * 1024;
 /// Bytes for the settings: two erase pages of 2 KiB (RM0440, dual-bank organisation).
 pub const SETTINGS_BYTES: u32 = 2 * SETTINGS_PAGE_BYTES;

@@ -107,7 +107,7 @@ impl Drop for Unlocked {
 }
 
 /// After a power cut while writing, reading the word that was being written is an NMI of the flash's error correction
-/// (RM0440): acknowledged here; what was read is then for the record's CRC to reject. `false` if this was not the cause.
+/// (RM0440). It is acknowledged here. The record's CRC then rejects the word. `false` if this was not the cause.
 pub fn acknowledge_ecc() -> bool {
     let status = pac::FLASH.eccr().read();
     let uncorrected = status.eccd() || status.eccd2();

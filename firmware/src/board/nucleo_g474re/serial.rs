@@ -1,7 +1,8 @@
 //! The link on the ST-LINK's virtual COM port: LPUART1, DMA both ways, polled by the thread.
 //!
-//! On the registers, by RM0440 (LPUART; DMA; DMAMUX): a ring that is received into for ever and one burst sent after the other need
-//! no interrupt and no waiting task. With the HAL's drivers for both the image is 4.4 KB larger.
+//! On the registers, by RM0440 (LPUART; DMA; DMAMUX). It receives into a ring without an end and sends one burst
+//! after the other, so it needs no interrupt and no waiting task. With the HAL's drivers for both the image is 4.4 KB
+//! larger.
 
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 

@@ -34,8 +34,8 @@ pub struct Parts {
 /// On a second call; or if the constants ask of the hardware what it cannot do.
 pub fn start() -> Parts {
     let p = embassy_stm32::init(config());
-    // A core halted by the debugger must not leave the motor driven: the timer stops and takes its outputs off (RM0440,
-    // debug mode of the advanced timers). And the watchdog must not bark at a breakpoint.
+    // A core halted by the debugger must not leave the motor driven. The timer stops and takes its outputs off
+    // (RM0440, debug mode of the advanced timers). And the watchdog must not bark at a breakpoint.
     pac::DBGMCU.apb2fzr().modify(|freeze| freeze.set_tim1(true));
     pac::DBGMCU.apb1lfzr().modify(|freeze| freeze.set_iwdg(true));
 

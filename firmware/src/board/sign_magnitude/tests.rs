@@ -187,8 +187,8 @@ fn an_error_names_the_part_and_switches_off_what_it_can() {
 }
 
 proptest! {
-    /// For any stage: odd in the command, never above the limit, never above the command by more than half a PWM
-    /// count (the rounding) and half a code (the report's own rounding).
+    /// For any stage the drive is odd in the command and never above the limit. It is never above the command by more
+    /// than half a PWM count (the rounding) and half a code (the report's own rounding).
     #[test]
     fn applied_is_odd_and_bounded(
         full_duty in 1..=u16::MAX,

@@ -178,8 +178,8 @@ fn recorded(runner: &mut Runner, folder: &Path, seed: u64, interrupt: &FinishFir
 /// The result for people.
 fn text(document: &Document) -> String {
     let mut out = String::from(
-        "The firmware on a virtual board, its axis with something hidden in it: suite of 8 experiments over the link, \
-         discovery, a controller tuned from what was found, a sine of 1 rad at 0.1 Hz followed by each law.\n\n",
+        "The firmware runs on a virtual board, whose axis hides an effect. A suite of 8 experiments over the link, \
+         discovery and tuning come first. Then each law follows a sine of 1 rad at 0.1 Hz.\n\n",
     );
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}\nwhat was hidden: {}\n", document.sentence, document.hidden);

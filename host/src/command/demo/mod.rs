@@ -34,8 +34,9 @@ use crate::sine::{self, SineFit};
   breakaway demo -o demo
   breakaway demo --virtual -o demo
 
---virtual runs the firmware on a virtual board instead (QEMU, as `virtual-board`): suite, discovery, tuning, tracking with the
-PID alone, the base model and the found model compensated; it writes track.html, controller.toml and the others of discovery.
+--virtual runs the firmware on a virtual board instead (QEMU, as `virtual-board`): suite, discovery, tuning and tracking.
+The axis is tracked with the PID alone, with the base model compensated, and with the found model compensated. Beside the
+files of discovery it writes track.html and controller.toml.
 
 Writes DIR/demo.html and DIR/discovery.html (open them in a browser), the recordings, model.toml and improved.toml.")]
 pub struct Args {
@@ -378,9 +379,9 @@ mod tests {
         let story = story(&learnt, truth.base, &truth.units).unwrap();
         let best = &learnt.identified.best;
         for (value, truth) in [(best.b, truth.base.b), (best.c, truth.base.c), (best.f1, truth.base.f1)] {
-            // Five standard errors fail by chance in fewer than one of a million runs; the seeds are fixed besides. The
-            // standard errors are to be small enough for the story: the streaming estimator reaches 0.1 to 0.2 % with
-            // this noise (docs/theory.md, section 4), and the output-error fit is not to be worse.
+            // Five standard errors fail by chance in fewer than one of a million runs; the seeds are fixed besides.
+            // The standard errors are to be small enough for the story. The streaming estimator reaches 0.1 to 0.2 %
+            // with this noise (docs/theory.md, section 4). The output-error fit is not to be worse.
             assert!((value.value - truth).abs() < 5.0 * value.se, "{value:?} {truth}");
             assert!(value.se < 0.002 * truth);
         }

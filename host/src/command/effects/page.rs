@@ -17,9 +17,9 @@ fn along_the_drive() -> Vec<&'static str> {
 
 /// What the page says before its list of effects, a paragraph per line.
 const INTRODUCTION: [&str; 4] = [
-    "The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`. An effect is a named term on top of it. A law is written as \
-     the force that it adds to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or as what it does to the drive `u_a` or to the measured \
-     position. In units, `U` stands for the drive's unit and `X` for the position's.",
+    "The base model is `b·ẍ + c·ẋ + f1·sgn(ẋ) = u`. An effect is a named term on top of it. Its law is \
+     the force that it adds to `b·ẍ = u − c·ẋ − f1·sgn(ẋ)`, or the change that it makes to the drive `u_a` or to the \
+     measured position. In units, `U` stands for the drive's unit and `X` for the position's.",
     "A model file has an `[[effect]]` with `name` and the parameters by symbol. Its phases may lie outside the range \
      that is given here, since whole turns change nothing. This page is generated from the definitions in \
      `core/src/plant/effect`; `breakaway effects NAME` prints the same.",

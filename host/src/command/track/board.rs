@@ -47,8 +47,8 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
     args.finish(&course, &cases, &Followed { name: &name, measured: true, units: &units, bench }, output)
 }
 
-/// Follows the course with the PID alone, with the base model and, if it has effects, with the whole model compensated;
-/// then with the adaptive law.
+/// Follows the course once with each law: the PID alone, the base model compensated, the whole model compensated if
+/// it has effects, the adaptive law.
 ///
 /// # Errors
 /// Whatever board and link report.

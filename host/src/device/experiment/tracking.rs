@@ -2,7 +2,7 @@
 
 use breakaway_core::control::{Adaptation, Gains, Setpoint};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, Controller, Ending, ErrorRate, Mismatch, Mode, Model, Pid, Track, Trajectory,
+    Adaptive, Bounds, Command, ControllerGains, Ending, ErrorRate, Mismatch, Mode, Model, Pid, Track, Trajectory,
 };
 
 use super::Runner;
@@ -22,7 +22,7 @@ pub struct TrackRun<'a> {
     /// Whether it is compensated; otherwise the PID is alone.
     pub compensate: bool,
     /// Who follows.
-    pub controller: Controller,
+    pub controller: ControllerGains,
     /// What is followed.
     pub reference: &'a Reference,
     /// The same at each tick, from tick 0.
@@ -45,10 +45,10 @@ pub struct Followed {
 }
 
 /// The PID of remark 1 as a board takes it: `b·Kv·(Λ2·e + Λ1·∫e + ė)`.
-pub fn pid(gains: &Gains) -> Controller {
+pub fn pid(gains: &Gains) -> ControllerGains {
     let k = gains.b * gains.kv;
     let (kp, ki, kd) = ((k * gains.lambda2) as f32, (k * gains.lambda1) as f32, k as f32);
-    Controller::Pid(Pid { kp, ki, kd, error_rate: error_rate(gains) })
+    ControllerGains::Pid(Pid { kp, ki, kd, error_rate: error_rate(gains) })
 }
 
 /// How a board makes ė.
@@ -58,16 +58,16 @@ fn error_rate(gains: &Gains) -> ErrorRate {
 
 /// The adaptive law of a design as a board takes it, for a reference that is at each tick what `points` are.
 ///
-/// A board is told how fast to adapt, in rad/s, and works out the gains from the model that is loaded and the reference
-/// it follows ([`Adaptation::normalised`]); these are the rates that give the design's gains.
-pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> Controller {
+/// A board gets the rate of adaptation, in rad/s. It computes the gains from the loaded model and the reference
+/// ([`Adaptation::normalised`]); these are the rates that give the design's gains.
+pub fn adaptive(design: &Design, points: &[Setpoint<f32>]) -> ControllerGains {
     let most =
         |of: fn(&Setpoint<f32>) -> f32| points.iter().map(|point| f64::from(of(point).abs())).fold(0.0, f64::max);
     let (gains, wanted) = (&design.gains, &design.adaptation.gains);
     let delta = design.adaptation.delta;
     let unit = Adaptation::normalised(&design.start, 1.0, most(|point| point.v), most(|point| point.a), delta).gains;
     let rate = |wanted: f64, unit: f64| if unit > 0.0 { (wanted / unit).sqrt() as f32 } else { 0.0 };
-    Controller::Adaptive(Adaptive {
+    ControllerGains::Adaptive(Adaptive {
         kv: gains.kv as f32,
         lambda1: gains.lambda1 as f32,
         lambda2: gains.lambda2 as f32,

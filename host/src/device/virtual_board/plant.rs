@@ -1,13 +1,13 @@
 //! The simulated machine: plant, encoder, power stage.
 
 use breakaway_core::link::FULL_SCALE_CODE;
-use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
+use breakaway_core::plant::{Base, Drive, Effect};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 
 use super::VirtualBoardError;
-use crate::simulate::exact::Exact;
+use crate::simulate::motion::SimulatedMotion;
 
 /// What to simulate.
 #[derive(Clone, Debug)]
@@ -51,9 +51,7 @@ impl Machine {
 /// A machine under way.
 #[derive(Debug)]
 pub struct SimulatedMachine {
-    base: Base<f64>,
-    effects: Vec<Effect<f64>>,
-    motion: Motion,
+    motion: SimulatedMotion,
     noise: Normal<f64>,
     rng: ChaCha8Rng,
     tick_hz: u32,
@@ -70,32 +68,14 @@ pub struct SimulatedMachine {
     last: i32,
 }
 
-#[derive(Debug)]
-enum Motion {
-    /// Closed form between events: no effect but a constant load.
-    Exact(Exact),
-    /// Sub-steps.
-    Stepped(State<f64>),
-}
-
-/// Sub-steps per tick beyond what the effects' bandwidth asks for, as in [`crate::simulate::axis`].
-const REFINEMENT: usize = 4;
 /// Past drive that is kept, ticks: far more than any delay of the catalogue.
 const HISTORY: usize = 10_000;
 
 impl SimulatedMachine {
     /// At rest at 0.
     pub fn new(machine: &Machine) -> Self {
-        let exact = machine.effects.iter().all(|effect| effect.kind == Kind::ConstantLoad);
-        let motion = if exact {
-            Motion::Exact(Exact::at_rest(machine.base, machine.effects.iter().map(|effect| effect.p[0]).sum(), 0.0))
-        } else {
-            Motion::Stepped(Plant { base: machine.base, effects: &machine.effects }.at_rest(0.0))
-        };
         Self {
-            base: machine.base,
-            effects: machine.effects.clone(),
-            motion,
+            motion: SimulatedMotion::at_rest(machine.base, &machine.effects),
             // Checked before; without noise, and a normal distribution of it, the machine is the same.
             noise: Normal::new(0.0, machine.noise.max(0.0)).unwrap_or_else(|_| unreachable!("checked")),
             rng: ChaCha8Rng::seed_from_u64(machine.seed),
@@ -119,16 +99,12 @@ impl SimulatedMachine {
 
     /// True position, position units.
     pub const fn position(&self) -> f64 {
-        match &self.motion {
-            Motion::Exact(exact) => exact.x,
-            Motion::Stepped(state) => state.x,
-        }
+        self.motion.position()
     }
 
     /// What the encoder says now.
     pub fn count(&mut self) -> i32 {
-        let plant = Plant { base: self.base, effects: &self.effects };
-        let reading = plant.measured(self.position()) + self.noise.sample(&mut self.rng);
+        let reading = self.motion.measured() + self.noise.sample(&mut self.rng);
         // A machine that has run away wraps, as a counter does.
         let count = ((reading / self.encoder_step).round() as i64 as i32).wrapping_add(self.offset);
         let count = if self.reversed { count.wrapping_neg() } else { count };
@@ -146,15 +122,9 @@ impl SimulatedMachine {
             self.history.drain(..HISTORY);
         }
         self.history.push(u);
-        let plant = Plant { base: self.base, effects: &self.effects };
         let t = self.ticks as f64 * ts;
-        match &mut self.motion {
-            Motion::Exact(exact) => exact.advance(u, ts),
-            Motion::Stepped(state) => {
-                let sub_steps = plant.sub_steps(ts) * REFINEMENT;
-                plant.advance(state, Drive { u: &self.history, ts, t }, sub_steps);
-            }
-        }
+        let sub_steps = self.motion.sub_steps(ts);
+        self.motion.advance(Drive { u: &self.history, ts, t }, sub_steps);
         self.ticks += 1;
     }
 

@@ -126,9 +126,9 @@ fn measured(recordings: &[Recording]) -> Option<Measured> {
     Some(Measured { off, white, scores: [a, b, c, within, residual] })
 }
 
-/// Prints the table. What is asserted is what the choice rests on: of the five scores, the one that is used has the largest share of
-/// right choices where something is missing, never prefers the weak form where nothing is, and brings what is reported nearer to the
-/// truth.
+/// Prints the table. The assertions are the reasons for the score that is used. Of the five it has the largest share
+/// of right choices where something is missing. It never prefers the weak form where nothing is, and brings the
+/// reported values nearer to the truth.
 #[test]
 #[ignore = "a minute or two: cargo test -p breakaway --lib held_out -- --ignored --nocapture"]
 fn the_table_of_scores() {

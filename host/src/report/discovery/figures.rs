@@ -57,8 +57,8 @@ pub fn overlay_figure(discovery: &Discovery, overlay: &Overlay) -> Figure {
     ];
     let strips = if overlay.u.is_empty() { &strips[..2] } else { &strips[..] };
     let title = format!("Measured and simulated, {}", overlay.title);
-    let caption = "Held-out data. Above, the simulation runs over the broad line of the measurement; below it, what is left \
-                   between them, with the noise as a band; at the bottom, the drive that both were given.";
+    let caption = "Held-out data. Above, the broad line is the measurement and the thin one the simulation. Below is \
+         their difference, with the noise as a band. At the bottom is the drive, the same for both.";
     Figure::new(title, caption, |width| stack(width, &overlay.t, strips))
 }
 
@@ -71,12 +71,12 @@ pub(super) fn map_figure(discovery: &Discovery) -> Figure {
         .map(|row| Bar { label: row.coordinate, before: row.r2, after: added.then_some(row.r2_after) })
         .collect();
     let caption = if added {
-        "Share of the unexplained force that its average over this coordinate predicts (cross-validated R²): for the base \
-         model, and for what is left after the last effect."
+        "Share of the unexplained force that its average over this coordinate predicts (cross-validated R²), for the \
+         base model and after the last effect."
     } else {
         "Share of the unexplained force that its average over this coordinate predicts (cross-validated R²)."
     };
-    Figure::new("Where the gap lives", caption, |width| bars(width, &rows))
+    Figure::new("Where the gap is", caption, |width| bars(width, &rows))
 }
 
 /// The residual force over one coordinate.

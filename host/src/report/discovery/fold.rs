@@ -137,9 +137,9 @@ fn windows(track: &Track, wave: f64) -> Vec<Window> {
     found
 }
 
-/// Averages over the samples from `first` to `last`, weighted by (1 − s²)³ at the samples, s from −1 to 1, and by straight
-/// lines between them. The weight's second derivative is then a sum of impulses at the samples, and the average of the
-/// acceleration is a sum over measured positions without any error of quadrature.
+/// Averages over the samples from `first` to `last`, weighted by (1 − s²)³ at the samples, s from −1 to 1, and by
+/// straight lines between them. The weight's second derivative is then a sum of impulses at the samples. The average
+/// of the acceleration is a sum over measured positions without any error of quadrature.
 fn averaged(track: &Track, first: usize, last: usize) -> Window {
     let middle_s = 0.5 * (track.t[first] + track.t[last]);
     let long_s = 0.5 * (track.t[last] - track.t[first]);

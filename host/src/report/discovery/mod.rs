@@ -48,7 +48,7 @@ fn sections(discovery: &Discovery, folds: &[Fold]) -> Vec<Section> {
             sections.push(Section::new(heading, body));
         }
     };
-    add("Where the gap lives", where_it_lives(discovery, folds));
+    add("Where the gap is", where_it_is(discovery, folds));
     add("What was added, and what else it could be", tables::effects(discovery));
     add("What the data cannot tell", cannot_tell(discovery));
     add("The experiment that would decide", discovery.next_experiment.as_ref().map_or_else(String::new, next));
@@ -116,7 +116,7 @@ fn lead(discovery: &Discovery) -> String {
     out
 }
 
-fn where_it_lives(discovery: &Discovery, folds: &[Fold]) -> String {
+fn where_it_is(discovery: &Discovery, folds: &[Fold]) -> String {
     if discovery.where_map.is_empty() {
         return String::new();
     }

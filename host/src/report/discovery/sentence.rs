@@ -6,13 +6,13 @@ use crate::report::text::{number, quantity};
 
 /// Titles whose first word is a name or an abbreviation, and keeps its capital letter in a sentence.
 const PROPER: [&str; 4] = ["Stribeck", "LuGre", "Dahl", "PWM"];
-/// Cross-validated share of the force below which a coordinate says nothing about where the gap lives: the averages over
-/// a coordinate that has nothing to do with it reach a few per cent by chance.
+/// Cross-validated share of the force below which a coordinate says nothing about the gap. The averages over an
+/// unrelated coordinate reach a few per cent by chance.
 pub(super) const PREDICTS: f64 = 0.05;
 /// Share of the unexplained force below which the simulation error tells more of what an effect explains.
 const TOLD_BY_FORCE: f64 = 0.01;
-/// Held-out simulation error over the sensor's noise up to which nothing else is left: 80 segments of 400 samples tell the
-/// noise to half a per cent, and its estimate is of a few.
+/// Held-out simulation error over the sensor's noise up to which nothing else is left. 80 segments of 400 samples
+/// give the noise to half a per cent, and its estimate is good to a few.
 const AT_THE_NOISE: f64 = 1.1;
 
 /// What was missing, how much of the unexplained force it explains, and what is left as random force, in one line.
@@ -53,7 +53,7 @@ fn missing(found: &Discovery) -> String {
         }
         (_, []) => match place(found) {
             Some(row) => format!(
-                "Something is missing that no effect of the catalogue explains. It lives along {}, which predicts {:.0} % of it.",
+                "Something is missing that no effect of the catalogue explains. The coordinate {} predicts {:.0} % of it.",
                 row.coordinate,
                 100.0 * row.r2
             ),

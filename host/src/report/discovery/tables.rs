@@ -90,9 +90,10 @@ pub(super) fn comparison(discovery: &Discovery) -> String {
         return out;
     }
     format!(
-        "<details>\n<summary>Numbers of every effect that was tried</summary>\n<p class=\"note\">Δ is the mean gain in \
-         log(noise² + error²) over the model that it is compared with, z is Δ over its standard error, and λ is the \
-         logarithm of the likelihood ratio. All three are in nats or without unit; docs/discovery.md defines them.</p>\n\
+        "<details>\n<summary>Numbers of every effect that was tried</summary>\n<p class=\"note\">Δ is the mean gain \
+         in log(noise² + error²) over the model to compare with. z is Δ over its standard error, and λ is the \
+         logarithm of the likelihood ratio. All three are in nats or without unit; docs/discovery.md defines \
+         them.</p>\n\
          {out}</details>\n"
     )
 }

@@ -1,7 +1,7 @@
 //! Long signals for short widths.
 
-/// Indices of at most about `most` samples of `y` that keep every peak: the smallest and the largest of each bucket, in
-/// order of time, and the two ends.
+/// Indices of at most about `most` samples of `y` that keep every peak. They are the smallest and the largest of each
+/// bucket, in order of time, and the two ends.
 pub fn peaks(y: &[f64], most: usize) -> Vec<usize> {
     if y.len() <= most.max(4) {
         return (0..y.len()).collect();

@@ -1,5 +1,5 @@
-//! Colours and strokes. The three model colours are those of Okabe and Ito, darkened or lightened until the lettering
-//! in them has a contrast of at least 4.5 : 1 on the paper.
+//! Colours and strokes. The three model colours are those of Okabe and Ito. They are darkened or lightened until
+//! lettering in them has a contrast of at least 4.5 : 1 on the paper.
 
 /// The light palette, as CSS custom properties.
 pub const LIGHT: &str = "--paper:#ffffff;--wash:#f4f6f8;--ink:#1a1e23;--muted:#59626d;--rule:#d9dee4;--measured:#b4bdc8;\

@@ -16,10 +16,10 @@ fn axis(f1: f64, effects: &[Effect<f64>]) -> Axis {
     Axis::new(Base { b: 0.02685, c: 0.11, f1 }, effects, Units::default())
 }
 
-/// The drive at which the reading has moved by ten steps is above the friction, by what the ramp (2.5 V/s at most)
-/// gains while the body covers them: x = rate·t³/(6b) = 0.01 rad takes 0.09 s, 0.22 V. Read back from the motion, the noise
-/// of half a step leaves 7 mV (standard deviation of 30 seeds of an independent simulation): three of them are allowed.
-/// With stiction the same simulation finds 0.77 V.
+/// The drive at which the reading has moved by ten steps is above the friction. The difference is what the ramp (2.5
+/// V/s at most) gains while the body covers them: x = rate·t³/(6b) = 0.01 rad takes 0.09 s, 0.22 V. Read back from
+/// the motion, the noise of half a step leaves 7 mV, the standard deviation of 30 seeds of an independent simulation.
+/// Three of them are allowed. With stiction the same simulation finds 0.77 V.
 #[test]
 fn the_break_away_force_is_found() {
     for f1 in [0.05, 0.5, 2.0] {

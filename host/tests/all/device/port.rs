@@ -43,7 +43,7 @@ fn a_wrong_baud_rate() {
     let peer = Peer::new(noise, |_| (Vec::new(), Then::Stay));
     let stderr = failure(&breakaway(&["device", "--port", &peer.port, "--baud", "115200", "info"]), 1);
     assert!(stderr.contains("2000 bytes came, and no readable frame"), "{stderr}");
-    assert!(stderr.contains("the baud rate is wrong (tried 115200, the firmware's own is 921600"), "{stderr}");
+    assert!(stderr.contains("The baud rate is wrong (tried 115200, the firmware's own is 921600"), "{stderr}");
 }
 
 #[test]

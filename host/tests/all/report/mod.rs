@@ -219,14 +219,14 @@ fn headline_and_tiles_have_one_horizon() {
 #[test]
 fn an_unknown_that_no_coordinate_predicts_says_so() {
     let mut sample = sample::unknown();
-    assert!(discovery::sentence::sentence(&sample).ends_with("It lives along position, which predicts 63 % of it."));
+    assert!(discovery::sentence::sentence(&sample).ends_with("The coordinate position predicts 63 % of it."));
     sample.where_map[0].r2 = 0.01;
     let html = html("unpredicted", &sample);
     let page = skeleton(&html);
     assert!(page.contains("No coordinate predicts it."), "{page}");
     assert!(page.contains("the best of them, position, predicts 1 %, which is no more than chance."), "{page}");
     assert!(page.contains("base model") && !page.contains("before: base model"), "{page}");
-    assert!(!page.contains("lives along") && !page.contains("Unexplained force over"), "{page}");
+    assert!(!page.contains("The coordinate position") && !page.contains("Unexplained force over"), "{page}");
 }
 
 /// Δ, z, λ and nats stand inside the fold-out alone.
@@ -250,8 +250,8 @@ fn a_folded_force_lies_on_its_law() {
     let base = sample.ladder[0].base;
     sample.effects.remove(0);
     sample.model = Candidate { base, effects: vec![cogging] };
-    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of these:
-    // three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
+    // Some hundred windows fill all 24 bins; what is too few for them is in 12. The law changes by 0.1 V over each of
+    // these. Three windows at its ends have a standard error of 0.035 V, and the noise adds to it.
     for (duration_s, bins, largest_se) in [(20.0, 24, 0.02), (1.2, 12, 0.06)] {
         let experiment = Experiment {
             name: "sine".into(),

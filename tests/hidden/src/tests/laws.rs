@@ -96,8 +96,8 @@ fn forces_follow_the_table() {
                 count += 1.0;
             }
         }
-        // The mean over a sample is not the value at its middle, most of all where the velocity just
-        // left zero: a hundredth of the effect's 10 %.
+        // The mean over a sample is not the value at its middle, most of all where the velocity just left zero. The
+        // tolerance is a hundredth of the effect's 10 %.
         let error = 100.0 * (squares / count).sqrt() / truth.amplitude;
         assert!(error < 0.1, "{name}: {error} % of the amplitude");
         assert!(count > 1000.0, "{name}: too little motion");
@@ -106,7 +106,7 @@ fn forces_follow_the_table() {
 
 #[test]
 fn sizes_are_realised() {
-    // Effects whose largest force is the size by definition or by calibration; 7 % because the
+    // Effects whose largest force is the size by definition or by calibration. The tolerance is 7 % because the
     // calibration stops after four secants, whose closed-loop motion changes with the parameter.
     let by_definition = [
         "constant_load",
@@ -200,8 +200,8 @@ fn conservative_forces_keep_energy() {
     for k in 0..samples {
         plant.sample(0.0, k as f64 * TS);
     }
-    // Five periods later at the start again; the second-order steps of 0.1 ms shift the phase by
-    // (ωh)²/24 per radian (1e-6), the rounding to whole samples by less than 0.5 ms.
+    // Five periods later it is at the start again. The second-order steps of 0.1 ms shift the phase by (ωh)²/24 per
+    // radian (1e-6), the rounding to whole samples by less than 0.5 ms.
     close(plant.state.x, 0.0, 5e-6 + 0.25 * 2.0 / law.b * 0.25e-6 * 2.0);
     let energy = 0.5 * law.b * plant.state.v.powi(2) + (plant.state.x - 0.5).powi(2);
     close(energy, 0.25, 1e-6);

@@ -154,8 +154,8 @@ fn half_the_substep_changes_less_than_the_noise() {
             }
         }
         segments.sort_by(f64::total_cmp);
-        // Rattling in a gap is chaotic (a grazing impact amplifies any difference), so there nine
-        // segments in ten; everywhere else every segment, with a factor of 20 to spare.
+        // Rattling in a gap is chaotic, because a grazing impact amplifies any difference. There nine segments in ten
+        // must agree; everywhere else every segment, with a factor of 20 to spare.
         let (share, bound) = if *name == "backlash" { (0.9, 1.0) } else { (1.0, 0.05) };
         let at = ((segments.len() - 1) as f64 * share) as usize;
         assert!(segments[at] < bound, "{name}: {}", segments[at]);

@@ -73,8 +73,8 @@ fn random_torque_and_sag_are_no_part_of_the_gap() {
 
 #[test]
 fn random_torque_hides_what_is_small() {
-    // Ten times the torque is ten times what it does to the base plant, which is far above the encoder's noise here; friction
-    // that turns a little of it into rest costs the rest of the band.
+    // Ten times the torque is ten times what it does to the base plant, which is far above the encoder's noise here.
+    // Friction that turns a little of it into rest costs the rest of the band.
     let visibility = |rms_percent: f64| {
         let world = World { torque: Some(Torque { rms_percent, bandwidth_hz: 10.0 }), ..World::default() };
         Case::suite(7, &["cogging"], 3.0).unwrap().within(world).generate_with_truth().1.visibility

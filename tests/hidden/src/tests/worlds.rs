@@ -36,8 +36,8 @@ fn an_item_is_the_same_whatever_else_is_asked_for() {
 
 #[test]
 fn draws_fill_their_ranges() {
-    // The ranges of `tests/hidden/src/world/setting.rs`. Of 400 draws the least and the largest are within a tenth of the range's ends, in the logarithm
-    // where it is drawn so: the chance that one of them is not is 0.9^400.
+    // The ranges of `tests/hidden/src/world/setting.rs`. Of 400 draws the least and the largest are within a tenth of
+    // the range's ends, in the logarithm where it is drawn so. The chance that one of them is not is 0.9^400.
     let worlds: Vec<World> = (0..400).map(|seed| Setting::Unkind.draw(seed)).collect();
     let fills = |low: f64, high: f64, value: &dyn Fn(&World) -> Option<f64>| {
         let values: Vec<f64> = worlds.iter().filter_map(value).collect();
@@ -142,8 +142,8 @@ fn closed_loops_follow_their_reference() {
             let session = case.generate();
             for (spec, record) in specs.iter().zip(&session.records) {
                 let Kind::Track { kp, course, .. } = &spec.kind else { panic!("{}: not tracked", spec.name) };
-                // From 2 s on. What is left is friction and drag over the gain, the way made in the latency, and at each corner
-                // of the reference a transient that lasts about half of 1/ω.
+                // From 2 s on. The rest is friction and drag over the gain, and the way made in the latency. At each
+                // corner of the reference there is a transient of about half of 1/ω.
                 let at = |k: usize| course.at(1e-3 * k as f64);
                 let rms = |values: &dyn Fn(usize) -> f64| {
                     let all = 2000..record.x.len();

@@ -61,7 +61,7 @@ impl Smooth {
             // What the law adds, away from its projections: a flipped sign must not meet them.
             let mut probe = state;
             probe.estimates = Estimates { b: 10.0, c: 10.0, f1: 10.0, f: 10.0 };
-            self.law.learn(&mut probe);
+            self.law.update(&mut probe);
             let added = probe.estimates;
             state = probe;
             state.estimates = Estimates {

@@ -11,8 +11,8 @@
 //! | 14 | `core/tests/all/relay.rs`, `host/src/simulate/limit_cycle.rs` |
 //! | 15–18 | here |
 //!
-//! Here is what crosses crates: the core's estimators on the host's axis, the core's stepped plant against the host's
-//! exact one, and the laws of the host's identification.
+//! These tests cross crates. They run the core's estimators on the host's axis, the core's stepped plant against the
+//! host's exact one, and the laws of the host's identification.
 
 mod control;
 mod laws;

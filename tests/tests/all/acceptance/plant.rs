@@ -47,8 +47,8 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Two seconds, both drives, with and without a load of 0.3, one sub-step per sample. The stepped plant is of second
-/// order. Largest error over the largest excursion, measured: at 1 ms 2.0e-5 (relay) and 5.5e-6 (multisine), at 0.1 ms
-/// 2.2e-7 and 5.2e-8; the limits are 2.5 times that, and a first-order slip would miss the second by a factor 4.
+/// order. Largest error over the largest excursion, measured: at 1 ms 2.0e-5 (relay) and 5.5e-6 (multisine), at 0.1
+/// ms 2.2e-7 and 5.2e-8. The limits are 2.5 times that, and a first-order slip would miss the second by a factor 4.
 #[test]
 fn stepped_and_exact_agree() {
     for (ts, limit) in [(1e-3, 5e-5), (1e-4, 5e-7)] {
@@ -70,7 +70,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// f32, f64 and fixed point simulate the same, through reversals and stick phases (drives below f1 among them).
-    /// Tolerances, over the excursion and 600 steps: f32 rounds x by 6e-8 a step, 4e-5 if all errors added up; fixed
+    /// Tolerances, over the excursion and 600 steps: f32 rounds x by 6e-8 a step, 4e-5 if all errors added up. Fixed
     /// point has the step of 1 ms to 2.3e-7 and the velocity to 2.3e-10 a step, 1e-5 with the same allowance.
     #[test]
     fn number_types_agree(drives in prop::collection::vec(prop::sample::select(vec![-3.3, -0.8, -0.2, 0.3, 0.7, 2.9]), 6)) {

@@ -49,12 +49,13 @@ fn ladder(effect: Effect<f64>, model: Effect<f64>, step: f64) -> [f64; 3] {
     found
 }
 
-/// The whole model compensated, true or as discovered, leaves at most a half of what the base model does and a fifth of the
-/// PID alone.
+/// The whole model compensated, true or as discovered, leaves at most a half of the base model's error and a fifth of
+/// the PID's.
 ///
-/// The limit is the encoder: with 8000 counts per turn the loop errs by 1.2e-4 rad (0.15 counts) on a plant without any
-/// effect. What the base model leaves of the asymmetric viscous friction, on which the integral works too, is less than
-/// twice that: there the whole model does as well as on a plant without the effect, and the half needs a finer encoder.
+/// The limit is the encoder: with 8000 counts per turn the loop errs by 1.2e-4 rad (0.15 counts) on a plant without
+/// any effect. With the base model, the error of the asymmetric viscous friction is less than twice that, because the
+/// integral works on it too. There the whole model does as well as on a plant without the effect. The half needs a
+/// finer encoder.
 #[test]
 fn a_compensated_effect_is_tracked_better() {
     let floor = error(&[], Some(&[]), SINE, STEP);
@@ -83,8 +84,8 @@ fn a_constant_load_is_no_worse_than_integral_action() {
     }
 }
 
-/// The other effects that the catalogue says can be compensated, drive-path ones by their inverse: in closed loop none is
-/// worse for it, and each is at the encoder's floor or at most two thirds of what the base model leaves.
+/// The other effects that the catalogue says can be compensated, drive-path ones by their inverse. In closed loop
+/// none is worse for it. Each is at the encoder's floor, or at most two thirds of the base model's error.
 #[test]
 fn every_compensable_effect_gains_or_stays() {
     let floor = error(&[], Some(&[]), SINE, STEP);

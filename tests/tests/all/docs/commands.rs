@@ -1,5 +1,5 @@
-//! The command lines of README.md and docs/*.md, and the files that those pages show: shared by the tests that parse the
-//! lines (tests/tests/all/docs.rs, xtask) and those that run them (host/tests/all/walk.rs).
+//! The command lines of README.md and docs/*.md, and the files that those pages show. The tests that parse the lines
+//! (tests/tests/all/docs.rs, xtask) and those that run them (host/tests/all/walk.rs) share this file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! The adaptive controller of paper section 5 in closed loop with eq. 10, small and in f64: the Lyapunov evidence.
 //!
 //! `sgn v` of plant, control and adaptation is `tanh(v/ε)`, ε = 0.01 m/s: the proof needs only that they use the same
-//! function, and the classical Runge–Kutta integrator is then accurate, so that an increase of V is the law's, not the step's.
+//! function. The classical Runge–Kutta integrator is then accurate, so that an increase of V is the law's, not the
+//! step's.
 
 use std::f64::consts::TAU;
 

@@ -69,8 +69,8 @@ fn erratum_06_rms_has_n_minus_2_and_n_minus_3_degrees_of_freedom() {
     assert!(at_free / (n - 1.0) < 0.92);
 }
 
-/// Erratum 7: the tolerance 1e-30 of `fmin`. Near its minimum `J` rises by the fraction `(δ/se)²/(N − 4)` of itself;
-/// where that is below f64's epsilon `J` is flat, on the memo's own example (section 3.3) out to 1e-9 of ω.
+/// Erratum 7: the tolerance 1e-30 of `fmin`. Near its minimum `J` rises by the fraction `(δ/se)²/(N − 4)` of itself.
+/// Where that is below f64's epsilon `J` is flat, on the memo's own example (section 3.3) out to 1e-9 of ω.
 #[test]
 fn erratum_07_the_cost_is_flat_far_above_the_tolerance() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
@@ -87,9 +87,9 @@ fn erratum_07_the_cost_is_flat_far_above_the_tolerance() {
 }
 
 /// Erratum 8 (and row 2): `fmin` on 0.5..2 times the estimate needs one minimum. Ten cycles at 40 samples per cycle,
-/// noise-free, estimate 1.02 times the truth: J has a minimum for nearly every 1/T of the bracket (15 of them), and `fmin`
-/// ends in a wrong one for every phase; the grid of 1/(4T) with refinement finds ω to 1e-6 (row 2's number; it reaches
-/// rounding).
+/// noise-free, estimate 1.02 times the truth: J has a minimum for nearly every 1/T of the bracket (15 of them). Then
+/// `fmin` ends in a wrong one for every phase; the grid of 1/(4T) with refinement finds ω to 1e-6 (row 2's number; it
+/// reaches rounding).
 #[test]
 fn erratum_08_the_bracket_is_not_unimodal() {
     let omega = TAU;

@@ -22,9 +22,9 @@ fn ratio(first: RelayExperiment<f64>, other: RelayExperiment<f64>) -> f64 {
     (first.h1 * other.a * other.omega.powi(2)) / (other.h1 * first.a * first.omega.powi(2))
 }
 
-/// Erratum 11: the text has (h1, h2) = (2, 1.5), (2.5, 2), (1, .5); the code (2, 1.5), (5, 4), (4, 3.5). The listing's
-/// amplitudes and periods are those of the code's levels: within 0.5 % and 1.2 %, which is how well they were read off the plots;
-/// the text's second experiment swings 2.28, not 6.29.
+/// Erratum 11: the text has (h1, h2) = (2, 1.5), (2.5, 2), (1, .5); the code (2, 1.5), (5, 4), (4, 3.5). The
+/// listing's amplitudes and periods are those of the code's levels: within 0.5 % and 1.2 %, the accuracy of reading
+/// them off the plots. The text's second experiment swings 2.28, not 6.29.
 #[test]
 fn erratum_11_the_listed_data_belong_to_the_codes_relays() {
     for experiment in listed(4.0 / 5.5) {
@@ -36,10 +36,11 @@ fn erratum_11_the_listed_data_belong_to_the_codes_relays() {
     assert!(listed(4.0 / 5.5)[1].a > 2.7 * text.peak, "{text:?}");
 }
 
-/// Erratum 12: `T1 = 4/5.5` = .72727. By the listing's own last line, Tp/Kp = 4h11/(πa1ω1²), the printed Kp 9.1536 and
-/// Tp .2446 need T1 = .72326, ±.00008 for the last printed digits: the exact period .72319(5) fits, 4/5.5 does not, by 50 times
-/// the tolerance. With the listed periods the listing gives f1 .53874, f2 .04735, Kp 9.37103, Tp .2532 (row 7), and with
-/// T1 = .72319 f2 is still .0498, not the printed .01879: the printed run had other T2 and T3, too.
+/// Erratum 12: `T1 = 4/5.5` = .72727. By the listing's own last line, Tp/Kp = 4h11/(πa1ω1²), the printed Kp 9.1536
+/// and Tp .2446 need T1 = .72326, ±.00008 for the last printed digits. The exact period .72319(5) fits, 4/5.5 does
+/// not, by 50 times the tolerance. With the listed periods the listing gives f1 .53874, f2 .04735, Kp 9.37103, Tp
+/// .2532 (row 7), and with T1 = .72319 f2 is still .0498, not the printed .01879: the printed run had other T2 and
+/// T3, too.
 #[test]
 fn erratum_12_the_printed_result_needs_another_period() {
     let period = |tp: f64, kp: f64| TAU * (PI * 1.2627 * tp / kp / (4.0 * 2.0)).sqrt();
@@ -66,7 +67,7 @@ fn erratum_13_the_third_experiment_is_impossible() {
 }
 
 /// Erratum 14: the listing's f2 lacks ω. A viscous friction, in drive units per speed, must become 1000 times larger
-/// when time is counted in ms; the listing's f2 stays as it is (to rounding), while its 1/Kp does scale.
+/// when time is counted in ms. The listing's f2 stays as it is (to rounding), while its 1/Kp does scale.
 #[test]
 fn erratum_14_f2_does_not_scale_with_time() {
     let slow = memo_listing(listed(0.72319));

@@ -163,9 +163,10 @@ fn theory_prediction_against_exact_cycles() {
     }
 }
 
-/// docs/theory.md section 2: a deviation shrinks per cycle by about ρ = e^(−2(h2−f1)/h1). Against the event-exact plant
-/// under a relay sampled at 20 µs, the median ratio of successive deviations of the peak between 10 % and 1 % is .43, .70,
-/// .32: the formula is too optimistic by 16, 5 and 44 %. The bound of the test is that it errs to that side, by less than half.
+/// docs/theory.md section 2: a deviation shrinks per cycle by about ρ = e^(−2(h2−f1)/h1). Against the event-exact
+/// plant under a relay sampled at 20 µs, the median ratio of successive deviations of the peak between 10 % and 1 %
+/// is .43, .70, .32. The formula is too optimistic by 16, 5 and 44 %. The bound of the test is that it errs to that
+/// side, by less than half.
 #[test]
 fn theory_settling() {
     for (h1, h2) in [(2.0, 1.5), (1.0, 0.7), (4.0, 3.5)] {

@@ -53,8 +53,8 @@ fn the_largest_bandwidth_for_an_encoder() {
 }
 
 proptest! {
-    /// With the observer too, 30° and a factor of two are in hand, by independent means: the sampled loop, simulated with
-    /// twice the gain and the observer written out as two filters, decays from a unit error.
+    /// With the observer too, there is a margin of 30° and of a factor of two. The check is independent: the sampled
+    /// loop, simulated with twice the gain and the observer written out as two filters, decays from a unit error.
     #[test]
     fn observed_gains_are_stable_with_twice_the_gain(
         b in 1e-3..1.0_f64, ratio in 0.0..100.0_f64, hz in 0.5..60.0_f64, d in 0..3_u32, step in 1e-5..0.1_f64,

@@ -8,8 +8,9 @@ fn times(n: u32) -> impl Iterator<Item = f64> + Clone {
     (0..n).map(move |k| (2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0)
 }
 
-/// Every segment has a phase of its own: of a sine that becomes a cosine in the middle two or four segments explain all, one half
-/// (the mean of the two has half the power), and three, the middle one with the jump in it, 1 − 1/3·1/2. To the leakage of 20 cycles.
+/// Every segment has a phase of its own. A sine becomes a cosine in the middle. Two or four segments explain all of
+/// it, one explains half (the mean of the two has half the power). Three, the middle one with the jump in it, explain
+/// 1 − 1/3·1/2. To the leakage of 20 cycles.
 #[test]
 fn each_segment_has_its_own_phase() {
     let omega = 20.0 * PI;
@@ -62,9 +63,9 @@ fn searched(cycles: f64, low: f64, high: f64) -> (Cell, u32) {
     (cell, passes.get())
 }
 
-/// The work of the search: 8 frequencies in a pass, on a grid of 1/(4T) with T of at most 16 cycles at first (6 points a cycle from
-/// half to twice the frequency: 96 cells, 13 passes), then 8 times as long within two cells either way (32 cells, 5 passes, and
-/// fewer where the segments are rounded up).
+/// The work of the search: 8 frequencies in a pass, on a grid of 1/(4T) with T of at most 16 cycles at first. With 6
+/// points a cycle from half to twice the frequency that is 96 cells, 13 passes. Then T is 8 times as long, within two
+/// cells either way: 32 cells, 5 passes, and fewer where the segments are rounded up.
 #[test]
 fn the_work_grows_by_five_passes_for_eight_times_the_cycles() {
     // The longer ones take many minutes in Miri.

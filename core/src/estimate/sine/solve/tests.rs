@@ -7,8 +7,9 @@ fn summed(alpha: f64, samples: u64) -> (f64, f64) {
     (0..samples).map(term).fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1))
 }
 
-/// Largest errors of the kernel over `samples` samples, the sum's as a share of L and the slope's of L²: through the power series,
-/// across its end, and far beyond it; both signs of the angle, which leave the sum and turn the slope.
+/// Largest errors of the kernel over `samples` samples, the sum's as a share of L and the slope's of L². They cover
+/// the power series, its end, and angles far beyond it. Both signs of the angle are tried; the sign leaves the sum
+/// and turns the slope.
 fn errors<R: SolverReal>(samples: u64) -> (f64, f64) {
     let length = samples as f64;
     let end = R::SMALL_ANGLE.to_f64();
@@ -29,8 +30,9 @@ fn errors<R: SolverReal>(samples: u64) -> (f64, f64) {
     (of_sum, of_slope)
 }
 
-/// The kernel is the sum over the samples, and its derivative that of the sum: to some ten roundings of the number type, and the slope
-/// to a hundred, for it is a difference of two that are 1/x larger at the end of the series.
+/// The kernel is the sum over the samples, and its derivative is that of the sum. The sum is good to some ten
+/// roundings of the number type. The slope is good to a hundred, because it is a difference of two that are 1/x
+/// larger at the end of the series.
 #[test]
 fn the_kernel_is_the_sum_over_the_samples() {
     let records = if cfg!(miri) { 2 } else { 4 };
@@ -57,8 +59,9 @@ fn the_models_power_is_the_sum_over_the_samples() {
     }
 }
 
-/// The mean of the two sources by inverse variance: by their freedoms where the model hides nothing from the blocks, by
-/// n·n·b/(n·b + 2H) for `within` where it does, and the blocks' residual alone where nothing is within.
+/// The mean of the two sources is by inverse variance. Where the model hides nothing from the blocks, it is by their
+/// freedoms; where it does, by n·n·b/(n·b + 2H) for `within`. Where nothing is within, the blocks' residual alone
+/// counts.
 #[test]
 fn the_noise_is_the_mean_of_two_sources() {
     let of = |within: f64, within_freedom: f64, hidden_model: f64| {

@@ -1,0 +1,50 @@
+//! What is checked beside the code: words, the interface of the core, and the dependencies' licences and sources.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::cross::target_folder;
+use crate::fleet::environment;
+use crate::report::Report;
+use crate::run::{answer, cargo, root, run, succeeds};
+
+/// The program that finds wrong words: the installed one, else one from PyPI in the target folder.
+fn typos() -> Result<PathBuf> {
+    if succeeds(Command::new("typos").arg("--version")) {
+        return Ok("typos".into());
+    }
+    let python = environment(&target_folder().join("typos-venv"), &root().join("xtask/requirements.txt"))?;
+    Ok(python.with_file_name("typos"))
+}
+
+/// Wrong words fail, in source and pages. So do licences and sources of the dependencies that deny.toml does not allow, and
+/// changes of the core's interface that its version does not announce: by programs that take long to build, where they are
+/// installed.
+pub fn words_interface_licences(report: &mut Report) -> Result<()> {
+    match typos() {
+        Ok(program) => report.check("words (typos)", || run(Command::new(program).current_dir(root())))?,
+        Err(error) => report.not_run(format!("wrong words: no typos (`cargo install typos-cli`): {error:#}")),
+    }
+    let tag = ["describe", "--tags", "--abbrev=0", "--match", "v*"];
+    let released = answer(Command::new("git").args(tag).current_dir(root()));
+    match (succeeds(&mut cargo(["semver-checks", "--version"])), released) {
+        (true, Some(tag)) => {
+            let check = ["semver-checks", "--package", "breakaway-core", "--baseline-rev", &tag];
+            report.check("interface of the core (cargo-semver-checks)", || run(&mut cargo(check)))?;
+        }
+        (true, None) => report.not_run("interface of the core: no version is tagged (v*) to compare with".to_owned()),
+        (false, _) => report.not_run(
+            "interface of the core: cargo-semver-checks is not installed (`cargo install cargo-semver-checks`)"
+                .to_owned(),
+        ),
+    }
+    if succeeds(&mut cargo(["deny", "--version"])) {
+        // Advisories need the network.
+        let check = ["deny", "--offline", "check", "bans", "licenses", "sources"];
+        return report.check("licences and sources (cargo-deny)", || run(&mut cargo(check)));
+    }
+    report.not_run("licences and sources: cargo-deny is not installed (`cargo install cargo-deny`)".to_owned());
+    Ok(())
+}
