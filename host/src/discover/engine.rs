@@ -18,6 +18,7 @@ use super::outcome::{Discovery, Overlay, Provenance};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
+use super::thinned::thinned;
 use super::unweighed;
 use super::where_map;
 use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
@@ -108,19 +109,24 @@ pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<D
     progress("judging the measured forces");
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
     let (request, ruling, rezeroed) = ruled(request, known, &units);
-    let request = &request;
+    let thin = |all: &[Recording]| all.iter().map(thinned).collect();
+    let request =
+        &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
         let kinds = left_to_the_motion(ruling, &by_force);
         let small = (!kinds.is_empty())
-            .then(|| small_effects::found(request, &units, Some(ruling), &kinds, progress).ok())
+            .then(|| {
+                small_effects::found(request, &units, Some((ruling, Some(&by_force.model))), &kinds, progress).ok()
+            })
             .flatten();
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
             Some(small) => by_force::with_ties(small, Some(ruling)),
             None => unweighed::compared(request, &units, ruling, by_force, progress),
         }
     } else {
-        let small = small_effects::found(request, &units, ruling.as_ref(), Kind::ALL, progress)?;
+        let small =
+            small_effects::found(request, &units, ruling.as_ref().map(|ruling| (ruling, None)), Kind::ALL, progress)?;
         if corroboration::stands_alone(request, ruling.as_ref(), &small) {
             small
         } else {

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use breakaway_core::plant::Kind;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
@@ -13,10 +13,10 @@ use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::{Discovery, Verdict};
 use super::search::Search;
-use super::thinned::thinned;
-use crate::recording::{Recording, Units};
+use crate::fit::Candidate;
+use crate::recording::Units;
 
-/// What the simulation says of `kinds`.
+/// What the simulation says of `kinds`, where the judge ruled and its names were fitted to the simulated motion.
 ///
 /// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
 ///
@@ -25,15 +25,12 @@ use crate::recording::{Recording, Units};
 pub(super) fn found(
     request: &Request,
     units: &Units,
-    ruling: Option<&Ruling>,
+    judged: Option<(&Ruling, Option<&Candidate>)>,
     kinds: &[Kind],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
-    let thin = |all: &[Recording]| all.iter().map(thinned).collect();
-    let request =
-        &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
     let work = Arc::default();
-    let over = |segment_s: f64| within(request, units, (segment_s, &work), (ruling, kinds), progress);
+    let over = |segment_s: f64| within(request, units, (segment_s, &work), (judged, kinds), progress);
     let mut found = over(FIT_SEGMENT_S)?;
     if found.verdict == Verdict::Unknown {
         progress("looking again over shorter segments");
@@ -58,23 +55,26 @@ fn within(
     request: &Request,
     units: &Units,
     (segment_s, work): (f64, &Arc<AtomicU64>),
-    (ruling, kinds): (Option<&Ruling>, &[Kind]),
+    (judged, kinds): (Option<(&Ruling, Option<&Candidate>)>, &[Kind]),
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Discovery, DiscoverError> {
+    let ruling = judged.map(|(ruling, _)| ruling);
     let mut start =
         prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
     start.data.work = work.clone();
-    let judged = ruling.filter(|ruling| !ruling.findings.is_empty()).map(|ruling| judged(&start, ruling));
-    let mut ended = Search::new(&start.data, units, start.base.clone(), kinds).run(judged.as_ref(), progress);
+    let names = judged.filter(|(ruling, _)| !ruling.findings.is_empty());
+    let first = names.map(|(ruling, fitted)| model_of(&start, ruling, fitted));
+    let mut ended = Search::new(&start.data, units, start.base.clone(), kinds).run(first.as_ref(), progress);
     if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {
         ended.first_round = by_force::rows(ruling, &ended.named);
     }
     Ok(assembled(request, &start, units, ended, progress))
 }
 
-/// The base with the judge's names, and what the judge held.
-fn judged(start: &Prepared, ruling: &Ruling) -> Model {
+/// The base with the judge's names and what the judge held; as they were fitted, if they were.
+fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Model {
     let mut model = Model::of(&start.base);
+    let known = model.effects.len();
     for finding in &ruling.findings {
         model = model.with(finding.effect);
         let j = model.effects.len() - 1;
@@ -82,5 +82,12 @@ fn judged(start: &Prepared, ruling: &Ruling) -> Model {
             model.hold(j, *i);
         }
     }
-    model.on(ruling.base)
+    let kinds = |effects: &[Effect<f64>]| effects.iter().map(|effect| effect.kind).collect::<Vec<_>>();
+    match fitted.filter(|fitted| kinds(&fitted.effects) == kinds(&model.effects)) {
+        Some(fitted) => {
+            model.effects[known..].copy_from_slice(&fitted.effects[known..]);
+            model.on(fitted.base)
+        }
+        None => model.on(ruling.base),
+    }
 }

@@ -231,6 +231,11 @@ impl Kind {
     pub fn generalises(self, other: Self) -> bool {
         self.definition().generalises.contains(&other.name())
     }
+    /// Whether `other`, though it has more parameters, is a rival of this effect all the same: recordings may lack what tells the two
+    /// apart. Other larger effects pay for nothing, or have this one as a special case. See [`Definition::confused_with`].
+    pub fn resembles(self, other: Self) -> bool {
+        self.definition().confused_with.contains(&other.name()) && !other.generalises(self)
+    }
 }
 
 #[cfg(test)]

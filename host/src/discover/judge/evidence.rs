@@ -2,8 +2,8 @@
 
 use super::regression::rms;
 use super::settings::Settings;
-use super::sides::{Fitted, Model, Weights};
-use super::term::{Sign, Term};
+use super::sides::{Fitted, Model, Side, Weights};
+use super::term::{Shape, Sign, Term};
 use super::weak_form::WeakForm;
 
 /// Gains of one side.
@@ -43,6 +43,11 @@ pub struct Bar {
     pub flat: f64,
     /// Where the effect acts, nats.
     pub local: f64,
+}
+
+impl Bar {
+    /// Any gain.
+    pub const OPEN: Self = Self { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
 }
 
 /// What speaks for a term beside a model.
@@ -203,7 +208,24 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
         Sign::Any => true,
         Sign::Positive => value > 0.0,
     };
-    !within(*u) || !within(*a)
+    !within(*u) || !within(*a) || [&after.u, &after.a].into_iter().any(|side| waves_differ(side, term, index))
+}
+
+/// Standard errors, and share of the mean, by which the amplitude of one recording's wave may differ from the others'.
+const DIFFERS: [f64; 2] = [4.0, 0.5];
+
+/// Whether the waves of the recordings, each with a phase of its own, are not of one amplitude.
+fn waves_differ(side: &Side, term: &Term, index: usize) -> bool {
+    if !(term.own_zeros && term.shape == Shape::Wave) {
+        return false;
+    }
+    let pairs = side.amplitudes[index].chunks_exact(2).zip(side.errors[index].chunks_exact(2));
+    let waves: Vec<(f64, f64)> =
+        pairs.map(|(a, e)| (a[0].hypot(a[1]), e[0].max(e[1]).max(f64::MIN_POSITIVE))).collect();
+    let weight: f64 = waves.iter().map(|(_, error)| error.powi(-2)).sum();
+    let mean = waves.iter().map(|(own, error)| own * error.powi(-2)).sum::<f64>() / weight;
+    let [errors, share] = DIFFERS;
+    waves.iter().any(|(own, error)| (own - mean).abs() > (errors * error).max(share * mean))
 }
 
 /// Residual energy of side U over that of a fit without the motion: a mean and a direction.

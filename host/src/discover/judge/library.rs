@@ -5,8 +5,8 @@ use std::sync::Arc;
 use breakaway_core::plant::Kind;
 
 use super::sides::{Fitted, Model, Weights};
-use super::term::{Arrival, Column, Name, Sign, Term};
-use super::wave_numbers::{Over, attenuation, audible, coherent, peaks};
+use super::term::{Arrival, Column, Name, Shape, Sign, Term};
+use super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, peaks};
 use super::weak_form::{Field, Sample, WeakForm, percentile};
 
 /// Lines of the spectrum that are tried.
@@ -15,6 +15,8 @@ const LINES: usize = 6;
 /// ripple.
 const LEAST_LEFT: f64 = 0.1;
 const LEAST_TURNS: f64 = 2.0;
+/// Parts of a session at whose ends the inertia may step.
+const INSTANTS: u32 = 24;
 /// Angular frequencies of second bodies that are tried.
 const BODIES: usize = 27;
 /// Shares of the drive that a friction by load may take: less is no friction of gears, and at all of it nothing would move.
@@ -141,15 +143,19 @@ impl<'a> Library<'a> {
         percentile(self.form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect(), 0.5)
     }
 
-    /// Sine and cosine of k·x with its wave number, see [`Self::waves`].
+    /// Sine and cosine of k·x with its wave number, see [`Self::waves`]; as loud as the samples show it.
     fn ripple(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let audible_part = |s: Sample, wave: f64| part(s, wave * audible(k * s.v * s.h_s));
-        let mut terms = self.waves(kind, k, audible_part);
-        // What one recording does not show twice is no ripple of its own.
+        self.waves(kind, k, audible_part).into_iter().map(|term| term.with(1, k)).collect()
+    }
+
+    /// The same of one of so many lines, whose wave number was sought: what one recording does not show twice is no ripple of its own.
+    fn sought(&self, kind: Kind, (k, of_lines): (f64, f64), part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
+        let mut terms = self.ripple(kind, k, part);
         if self.turns_seen(k) < LEAST_TURNS * self.form.dataset.recordings as f64 {
             terms.truncate(1);
         }
-        terms.into_iter().map(|term| term.with(1, k)).collect()
+        terms.into_iter().map(|term| Term { chosen_of: of_lines, ..term }).collect()
     }
 
     /// Sine and cosine of k·x, with one phase, and with one for each recording.
@@ -165,7 +171,7 @@ impl<'a> Library<'a> {
                 columns.map(Column::force).collect()
             };
             // Amplitude and phase, however many recordings have a phase of their own.
-            (term.size, term.own_zeros) = (2, term.u.len() > 2);
+            (term.size, term.own_zeros, term.shape) = (2, term.u.len() > 2, Shape::Wave);
             term
         };
         std::iter::once(both.to_vec()).chain(self.of_each_recording(&both)).map(make).collect()
@@ -216,23 +222,20 @@ impl<'a> Library<'a> {
         let signed: Vec<f64> = self.residual.iter().zip(direction).map(|(r, s)| r * s).collect();
         let mut terms = Vec::new();
         let seen = |k: &f64| self.turns_seen(*k) >= LEAST_TURNS;
-        let chosen = |of_lines: f64| move |term: Term| Term { chosen_of: of_lines, ..term };
-        let found = peaks(form, self.residual, self.weights, Over::Position, LINES);
-        for k in found.lines.into_iter().filter(seen) {
-            terms.extend(self.ripple(Kind::Cogging, k, |_, wave| wave).into_iter().map(chosen(found.of_lines)));
+        let Peaks { lines, of_lines } = peaks(form, self.residual, self.weights, Over::Position, LINES);
+        for k in lines.into_iter().filter(seen) {
+            terms.extend(self.sought(Kind::Cogging, (k, of_lines), |_, wave| wave));
             if form.dataset.recordings > 1 {
                 let k = coherent(form, self.residual, self.weights, k);
-                let shared = self.ripple(Kind::Cogging, k, |_, wave| wave).into_iter().take(1);
-                terms.extend(shared.map(chosen(found.of_lines)));
+                terms.extend(self.sought(Kind::Cogging, (k, of_lines), |_, wave| wave).into_iter().take(1));
             }
         }
         if let Some(radians) = self.radians {
             terms.extend(self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave));
         }
-        let found = peaks(form, &signed, self.weights, Over::Position, LINES);
-        for k in found.lines.into_iter().filter(seen) {
-            let ripple = self.ripple(Kind::PositionFriction, k, |s, wave| s.direction * wave);
-            terms.extend(ripple.into_iter().map(chosen(found.of_lines)));
+        let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
+        for k in lines.into_iter().filter(seen) {
+            terms.extend(self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave));
         }
         terms
     }
@@ -406,20 +409,21 @@ impl<'a> Library<'a> {
             term.holds_drive = true;
             terms.push(term);
         }
-        let found = peaks(form, self.residual, self.weights, Over::Time, LINES);
-        for omega in found.lines {
+        let Peaks { lines, of_lines } = peaks(form, self.residual, self.weights, Over::Time, LINES);
+        for omega in lines {
             if self.harmonic_of_the_drive(omega) {
                 continue;
             }
             let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
             let term = effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega);
-            terms.push(Term { chosen_of: found.of_lines, ..term });
+            terms.push(Term { chosen_of: of_lines, ..term });
         }
-        for i in 1..24 {
-            let instant = first + span * f64::from(i) / 24.0;
+        for i in 1..INSTANTS {
+            let instant = first + span * f64::from(i) / f64::from(INSTANTS);
             let after =
                 |values: &[f64]| values.iter().zip(&times).map(|(a, t)| if *t > instant { *a } else { 0.0 }).collect();
             let mut term = effect(Kind::InertiaStep, Vec::new()).with(1, instant);
+            term.chosen_of = f64::from(INSTANTS);
             term.u = vec![Column::Windows(Arc::new(after(&form.row_a)))];
             term.a = vec![Column::Windows(Arc::new(after(&self.predicted_a)))];
             terms.push(term);

@@ -6,6 +6,7 @@ pub mod evidence;
 pub mod library;
 pub mod reading_age;
 pub mod regression;
+mod review;
 pub mod ruling;
 pub mod search;
 pub mod settings;

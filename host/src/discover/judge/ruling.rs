@@ -5,7 +5,7 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::regression::rms;
-use super::search::{Judged, Outcome, Round, Tried, judge};
+use super::search::{Bearing, Judged, Outcome, Round, Tried, judge};
 use super::settings::Settings;
 use super::start::{self, Errors};
 use super::term::Name;
@@ -203,44 +203,31 @@ const MATERIAL: f64 = 0.1;
 
 /// What is named, and what is seen beside it: which, and its share of the energy of the gap.
 fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)>) {
-    let mut index = 0;
     let (mut findings, mut seen) = (Vec::new(), Vec::new());
     // Energy that is left of the base's, by the gains of side U.
     let mut left = 1.0;
-    for round in &own.rounds {
-        let Outcome::Named(names, tied) = &round.outcome else { continue };
-        let Some(tried) = round.tried.iter().find(|t| t.names() == *names) else { continue };
-        for (term, evidence) in tried.terms.iter().zip(&tried.evidence) {
-            let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
-            let share = left - after;
-            left = after;
-            if let (false, true, Name::Effect(kind)) = (findings.is_empty(), share < MATERIAL, term.name) {
-                seen.push((kind, share));
-                index += 1;
-                continue;
-            }
-            // A delay within the interval at which the position is read is that clock's, and is no name.
-            if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
-                index += 1;
-                continue;
-            }
-            if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
-                let tied = tied.iter().filter_map(|name| {
-                    let Name::Effect(kind) = name else { return None };
-                    let rival = round.tried.iter().find(|t| t.names() == [*name])?;
-                    Some((*kind, tried.better_than(rival)))
-                });
-                findings.push(Finding {
-                    effect,
-                    errors,
-                    held,
-                    own_zeros: term.own_zeros,
-                    tied: tied.collect(),
-                    gain: evidence.gain(),
-                    z: evidence.z(),
-                });
-            }
-            index += 1;
+    for (index, (term, Bearing { evidence, tied })) in own.model.terms.iter().zip(&own.bearings).enumerate() {
+        let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
+        let share = left - after;
+        left = after;
+        if let (false, true, Name::Effect(kind)) = (findings.is_empty(), share < MATERIAL, term.name) {
+            seen.push((kind, share));
+            continue;
+        }
+        // A delay within the interval at which the position is read is that clock's, and is no name.
+        if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
+            continue;
+        }
+        if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
+            findings.push(Finding {
+                effect,
+                errors,
+                held,
+                own_zeros: term.own_zeros,
+                tied: tied.clone(),
+                gain: evidence.gain(),
+                z: evidence.z(),
+            });
         }
     }
     (findings, seen)
@@ -264,7 +251,8 @@ fn remainder(
 
 /// Largest z, on the side that tells less, of the terms of a round that were tried alone and gain over all rows.
 fn significance(round: &Round) -> f64 {
-    let alone = round.tried.iter().filter(|t| t.terms.len() == 1 && t.rejection() != Some(Rejection::Inertia));
+    let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Amplitude));
+    let alone = round.tried.iter().filter(|t| t.terms.len() == 1).filter(possible);
     alone.filter(|t| t.gain > 0.0).map(|t| t.evidence[0].z()).fold(0.0, f64::max)
 }
 

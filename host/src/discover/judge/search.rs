@@ -1,11 +1,13 @@
 //! The judge's search: effects are added as long as one, or two that only show together, hold on both sides and are the best of
 //! their rivals; what no longer holds beside a later one is dropped.
 
+use breakaway_core::plant::Kind;
 use rayon::prelude::*;
 
 use super::evidence::{Bar, Evidence, Rejection, weigh};
 use super::library::Library;
 use super::regression::rms;
+use super::review;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
@@ -71,6 +73,15 @@ pub enum Outcome {
     Nothing,
 }
 
+/// What speaks for a term of the final model.
+#[derive(Clone, Debug)]
+pub struct Bearing {
+    /// Beside the terms that were found before it.
+    pub evidence: Evidence,
+    /// Effects that do as well in its place, in the final model, and by how many standard deviations it is better.
+    pub tied: Vec<(Kind, f64)>,
+}
+
 /// What the judge found.
 #[derive(Clone, Debug)]
 pub struct Judged {
@@ -80,6 +91,8 @@ pub struct Judged {
     pub rounds: Vec<Round>,
     /// The final model.
     pub model: Model,
+    /// What speaks for each of its terms.
+    pub bearings: Vec<Bearing>,
     /// Residual of the base and of the final model over the rms of the drive (side U) and of the acceleration (side A).
     pub residual: [[f64; 2]; 2],
     /// The final model's fit.
@@ -87,43 +100,51 @@ pub struct Judged {
 }
 
 /// A model that is fitted with the weights of its own residual.
-struct Stage<'a> {
-    form: &'a WeakForm<'a>,
-    settings: &'a Settings,
-    model: Model,
-    fitted: Fitted,
-    weights: Weights,
+pub(super) struct Stage<'a> {
+    pub form: &'a WeakForm<'a>,
+    pub settings: &'a Settings,
+    pub model: Model,
+    pub fitted: Fitted,
+    pub weights: Weights,
 }
 
 /// Judges.
 pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
     let mut stage = Stage::new(form, settings, Model::default(), &Weights::equal(form))?;
-    let mut rounds = Vec::new();
+    let (mut rounds, mut bearings) = (Vec::new(), Vec::new());
     let share = |f: &Fitted| [rms(&f.u.residual) / rms(&form.row_u), rms(&f.a.residual) / rms(&form.row_a)];
     let first = share(&stage.fitted);
     while stage.model.terms.len() < settings.most_names {
         let round = stage.round();
-        let named = match &round.outcome {
-            Outcome::Named(names, _) => round.tried.iter().find(|t| t.names() == *names).map(|t| t.terms.clone()),
-            _ => None,
+        let (named, tied) = match &round.outcome {
+            Outcome::Named(names, tied) => (round.tried.iter().find(|t| t.names() == *names).cloned(), tied.clone()),
+            _ => (None, Vec::new()),
         };
         rounds.push(round);
-        let Some(terms) = named else { break };
-        let model = terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
+        let Some(named) = named else { break };
+        let model = named.terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
         stage = Stage::new(form, settings, model, &stage.weights)?;
+        let kinds = tied.iter().filter_map(|name| match name {
+            Name::Effect(kind) => Some((*kind, 0.0)),
+            Name::Decoy(_) => None,
+        });
+        let tied: Vec<(Kind, f64)> = kinds.collect();
+        bearings.extend(named.evidence.into_iter().map(|evidence| Bearing { evidence, tied: tied.clone() }));
     }
+    let stage = review::reviewed(stage, &mut bearings)?;
     let last = share(&stage.fitted);
     Some(Judged {
         half_width_s: form.half_width_s,
         rounds,
         model: stage.model,
+        bearings,
         residual: [first, last],
         fitted: stage.fitted,
     })
 }
 
 impl<'a> Stage<'a> {
-    fn new(form: &'a WeakForm<'a>, settings: &'a Settings, model: Model, weights: &Weights) -> Option<Self> {
+    pub(super) fn new(form: &'a WeakForm<'a>, settings: &'a Settings, model: Model, weights: &Weights) -> Option<Self> {
         let first = model.fit(form, weights, settings)?;
         let weights = Weights::of(form, &first);
         let fitted = model.fit(form, &weights, settings)?;
@@ -135,7 +156,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Gains of new terms beside the model, and what speaks for each beside the others.
-    fn weighed(&self, terms: Vec<Term>, bar: &Bar) -> Option<Tried> {
+    pub(super) fn weighed(&self, terms: Vec<Term>, bar: &Bar) -> Option<Tried> {
         let model = terms.iter().fold(self.model.clone(), |model, term| model.with(term));
         let after = self.fit(&model)?;
         let known = self.model.terms.len();
@@ -180,8 +201,8 @@ impl<'a> Stage<'a> {
     /// Every term of the library alone.
     fn singles(&self) -> (Vec<Tried>, Bar) {
         let terms = Library::new(self.form, &self.model, &self.fitted, &self.weights).terms();
-        let open = Bar { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
-        let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(vec![term], &open)).collect();
+        let mut all: Vec<Tried> =
+            terms.into_par_iter().filter_map(|term| self.weighed(vec![term], &Bar::OPEN)).collect();
         let bar = self.bar(&all);
         for tried in &mut all {
             let e = &mut tried.evidence[0];
@@ -261,7 +282,7 @@ fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
 }
 
 /// The best of every name. One zero for all recordings is preferred to one for each, unless that does better with the z of a name.
-fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
+pub(super) fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
     all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
     let mut best: Vec<Tried> = Vec::new();
     for one in all {
@@ -318,19 +339,29 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
             return Outcome::Unknown(other.terms[0].name);
         }
     }
-    // A rival that does as well on both sides is tied, also where it misses a bar by little.
-    let near = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
-    let as_well = |t: &&Tried| {
-        t.terms.len() == simple.terms.len()
-            && t.gain > settings.tie * simple.gain
-            && simple.better_than(t) < settings.tie_z
-    };
-    let tied = tried.iter().filter(is_effect).filter(near).filter(as_well).filter(|t| t.size() <= simple.size());
     let mut names: Vec<Name> = Vec::new();
-    for name in tied.flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
+    for name in tied(simple, tried, settings).flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
         if !names.contains(&name) {
             names.push(name);
         }
     }
     Outcome::Named(simple.names(), names)
+}
+
+/// The rivals of `own` that do as well on both sides, also where they miss a bar by little. What has more parameters is one where the
+/// two resemble each other.
+pub(super) fn tied<'a>(own: &'a Tried, tried: &'a [Tried], settings: &'a Settings) -> impl Iterator<Item = &'a Tried> {
+    let resembles = |t: &Tried| {
+        let mut pairs = own.names().into_iter().zip(t.names());
+        pairs.all(|pair| match pair {
+            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other),
+            _ => false,
+        })
+    };
+    tried.iter().filter(move |t| {
+        let effects = t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
+        let near = !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+        let as_well = t.gain > settings.tie * own.gain && own.better_than(t) < settings.tie_z;
+        effects && near && t.terms.len() == own.terms.len() && as_well && (t.size() <= own.size() || resembles(t))
+    })
 }

@@ -73,6 +73,15 @@ pub enum Sign {
     Positive,
 }
 
+/// What the columns of a term are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Anything.
+    Any,
+    /// A sine and a cosine for each phase.
+    Wave,
+}
+
 /// What an effect adds.
 #[derive(Clone, Debug)]
 pub struct Term {
@@ -88,6 +97,8 @@ pub struct Term {
     pub replaces_direction: bool,
     /// Whether each recording has columns of its own, as its encoder starts anywhere.
     pub own_zeros: bool,
+    /// What the columns are.
+    pub shape: Shape,
     /// What the amplitudes may be.
     pub sign: Sign,
     /// A second body: its angular frequency (rad/s) and damping ratio. Side A sends every force through it.
@@ -141,6 +152,7 @@ impl Term {
             a: Vec::new(),
             replaces_direction: false,
             own_zeros: false,
+            shape: Shape::Any,
             sign: Sign::Any,
             body: None,
             drive: None,

@@ -166,7 +166,7 @@ fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Trie
     let enough = fits.filter(|(_, fit)| fit.cost < best + NAMING.lambda && mean_log(&fit.mse, data.sigma) < LEFT);
     let simplest = enough.map(|(kind, fit)| (fit.free.len(), kind)).min_by_key(|(parameters, _)| *parameters);
     let idle = |kind: Kind, fit: &Fit| {
-        simplest.is_some_and(|(enough, simplest)| fit.free.len() > enough && !look_alike(simplest, kind))
+        simplest.is_some_and(|(enough, simplest)| fit.free.len() > enough && !simplest.resembles(kind))
     };
     tried.par_iter_mut().with_max_len(1).for_each(|t| {
         if let Ok(fit) = &mut t.fit
@@ -176,12 +176,6 @@ fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Trie
             *fit = refined(data, fit.clone(), share(fit) > CONTENDING, rotary);
         }
     });
-}
-
-/// Whether a law that does no better with more parameters is a rival all the same: these recordings may lack what tells the
-/// two apart. Others pay for nothing, or have the named one as a special case.
-pub(super) fn look_alike(named: Kind, other: Kind) -> bool {
-    named.definition().confused_with.contains(&other.name()) && !other.generalises(named)
 }
 
 impl Round {

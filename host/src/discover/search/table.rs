@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::{Effect, Kind};
 
-use super::add::{Round, look_alike};
+use super::add::Round;
 use super::compare::{NAMING, as_good, better, gain, names, simplest};
 use crate::discover::decide::Thresholds;
 use crate::discover::outcome::{CandidateRow, ParameterValue, Rival};
@@ -21,7 +21,7 @@ pub(super) fn rivals(round: &Round, winner: &Fit, own: Kind) -> Vec<Rival> {
             let fit = tried.fit.as_ref().ok()?;
             let p = gain(&round.data, fit, winner);
             let richer = fit.free.len() > winner.free.len() && p.delta > -0.5 * NAMING.delta;
-            let idle = richer && !look_alike(own, tried.kind);
+            let idle = richer && !own.resembles(tried.kind);
             Some(Rival { kind: tried.kind, delta: p.delta, z: p.z, tied: !idle && !better(&p, 0) })
         })
         .collect();
@@ -45,7 +45,7 @@ pub(super) fn table(round: &Round, named: Option<Kind>, rivals: &[Rival]) -> Vec
         }
         let Some(winner) = winner else { return "not the best".to_owned() };
         let against = gain(&round.data, fit, winner);
-        let idle = named.is_none_or(|named| !look_alike(named, kind));
+        let idle = named.is_none_or(|named| !named.resembles(kind));
         if rivals.iter().any(|rival| rival.kind == kind && rival.tied) {
             "tied: these recordings cannot tell it from the named effect".to_owned()
         } else if idle && fit.free.len() > winner.free.len() && against.delta > -0.5 * NAMING.delta {

@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
-use super::add::{Round, Tried, look_alike};
+use super::add::{Round, Tried};
 use super::compare::{as_good, better, names};
 use super::contest::confusable;
 use crate::discover::data::Data;
@@ -185,10 +185,10 @@ fn what_may_be_confused_is_swapped() {
 
 /// One way round only: what the named law is confused with, unless that has the named law as a special case.
 #[test]
-fn look_alikes_are_confused_and_not_more_general() {
-    assert!(look_alike(Kind::Cogging, Kind::TimePeriodic) && look_alike(Kind::LuGre, Kind::Dahl));
-    assert!(!look_alike(Kind::Dahl, Kind::LuGre) && !look_alike(Kind::GravityLoad, Kind::Cogging));
-    assert!(!look_alike(Kind::Dahl, Kind::Spring) && !look_alike(Kind::ConstantLoad, Kind::LuGre));
+fn what_resembles_is_confused_and_not_more_general() {
+    assert!(Kind::Cogging.resembles(Kind::TimePeriodic) && Kind::LuGre.resembles(Kind::Dahl));
+    assert!(!Kind::Dahl.resembles(Kind::LuGre) && !Kind::GravityLoad.resembles(Kind::Cogging));
+    assert!(!Kind::Dahl.resembles(Kind::Spring) && !Kind::ConstantLoad.resembles(Kind::LuGre));
 }
 
 mod said;

@@ -1,0 +1,54 @@
+//! The final model, looked at again: each of its terms beside all others. What no longer gains there is dropped, and ties are decided.
+
+use breakaway_core::plant::Kind;
+use rayon::prelude::*;
+
+use super::evidence::{Bar, Rejection};
+use super::library::Library;
+use super::search::{Bearing, Stage, Tried, best_of_each, tied};
+use super::sides::Model;
+use super::term::Name;
+
+/// The stage with the terms that gain in the final model, and in `bearings` what is tied with each of them.
+pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) -> Option<Stage<'a>> {
+    let mut j = 0;
+    while j < stage.model.terms.len() {
+        let Name::Effect(own) = stage.model.terms[j].name else { return Some(stage) };
+        let beside = without(&stage, j)?;
+        let tried = beside.weighed(vec![stage.model.terms[j].clone()], &Bar::OPEN);
+        let alone = stage.model.terms.len() == 1;
+        let Some(tried) = tried.filter(|tried| alone || tried.rejection() != Some(Rejection::Gain)) else {
+            bearings.remove(j);
+            (stage, j) = (beside, 0);
+            continue;
+        };
+        let before: Vec<Kind> = bearings[j].tied.iter().map(|(kind, _)| *kind).collect();
+        let rivals = rivals(&beside, own, &before);
+        let as_well = tied(&tried, &rivals, stage.settings).filter_map(|rival| match rival.terms[0].name {
+            Name::Effect(kind) => Some((kind, tried.better_than(rival))),
+            Name::Decoy(_) => None,
+        });
+        bearings[j].tied = as_well.collect();
+        j += 1;
+    }
+    Some(stage)
+}
+
+/// The model without its `j`-th term.
+fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
+    let terms = stage.model.terms.iter().enumerate().filter(|(i, _)| *i != j);
+    let model = Model { terms: terms.map(|(_, term)| term.clone()).collect() };
+    Stage::new(stage.form, stage.settings, model, &stage.weights)
+}
+
+/// The effects that `own` may be confused with, and those that did as well `before`, beside the others.
+fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind]) -> Vec<Tried> {
+    let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
+    let rival = |name: Name| match name {
+        Name::Effect(kind) => kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind)),
+        Name::Decoy(_) => false,
+    };
+    let terms = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights).terms();
+    let rivals = terms.into_par_iter().filter(|term| rival(term.name));
+    best_of_each(rivals.filter_map(|term| beside.weighed(vec![term], &Bar::OPEN)).collect(), beside.settings)
+}
