@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use breakaway::discover::progress::Progress;
 use breakaway_tests::machines::catalogue::MACHINES;
 use breakaway_tests::machines::compare::{self, Program};
 use breakaway_tests::machines::reading::{self, ReadingError};
@@ -102,7 +103,11 @@ fn row(machine: &Machine, split: Split, data: &Path, commit: &str) -> Result<Opt
     let concerned = sources.iter().filter(|source| taken.concerns(source));
     let remarks: Vec<&str> = concerned.filter_map(|source| source.remark.as_deref()).collect();
     let began = Instant::now();
-    let progress = |what: &str| eprintln!("  {:6.1} s  {what}", began.elapsed().as_secs_f64());
+    let progress = |what: Progress<'_>| {
+        if let Progress::Step(what) = what {
+            eprintln!("  {:6.1} s  {what}", began.elapsed().as_secs_f64());
+        }
+    };
     let said = discovery::run(taken, &progress);
     Ok(Some(Row::new(machine, split, commit, said).with(curve, &unit, &remarks)))
 }

@@ -14,6 +14,7 @@ use super::progress::Steps;
 use super::recording_args::RecordingArgs;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
+use crate::discover::progress::Watch;
 use crate::file::{FileKind, Target, shown};
 use crate::fit::Candidate;
 use crate::fleet::machine::Inputs;
@@ -94,7 +95,7 @@ impl Args {
         let output = output.claim(&targets, &read)?;
         let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
         let steps = Steps::begin();
-        let (found, folds) = find(&self.columns, &inputs, &|what| steps.step(what))?;
+        let (found, folds) = find(&self.columns, &inputs, &|what| steps.show(what))?;
         steps.end();
         if let Some(target) = &self.output {
             target.write_text(&improved(&found).to_toml())?;
@@ -110,11 +111,7 @@ impl Args {
 ///
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
-pub fn find(
-    columns: &RecordingArgs,
-    inputs: &Inputs,
-    progress: &(dyn Fn(&str) + Sync),
-) -> anyhow::Result<(Discovery, Vec<Fold>)> {
+pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: Watch<'_>) -> anyhow::Result<(Discovery, Vec<Fold>)> {
     let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
     fit.is_apart_from(&score)?;
     let mut model = inputs.model.as_deref().map(Model::read).transpose()?;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::console;
+use crate::discover::progress::Progress;
 use crate::recording::Source;
 
 /// Bytes below which reading a file is over before a bar could be read.
@@ -28,10 +29,14 @@ pub fn spinner() -> ProgressBar {
     }
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(120));
-    styled(bar, "{spinner} {msg} {elapsed}")
+    styled(bar, WITHOUT_COUNT)
 }
 
-/// The steps of long work: a spinner on a terminal, lines with `-v`.
+const WITHOUT_COUNT: &str = "{spinner} {msg} {elapsed}";
+const WITH_COUNT: &str = "{spinner} {msg} [{bar:24}] {pos}/{len}, {eta} left";
+
+/// The steps of a discovery: on a terminal a spinner, and a bar with the time that is left where candidates are compared; lines with
+/// `-v`.
 #[derive(Debug)]
 pub struct Steps {
     spinner: ProgressBar,
@@ -44,9 +49,25 @@ impl Steps {
         Self { spinner: spinner(), began: Instant::now() }
     }
 
-    /// Shows the next step.
-    pub fn step(&self, what: &str) {
+    /// Shows what is being done.
+    pub fn show(&self, progress: Progress<'_>) {
+        match progress {
+            Progress::Step(what) => self.step(what, WITHOUT_COUNT),
+            Progress::Round { effect, candidates } => {
+                self.spinner.set_position(0);
+                self.spinner.set_length(candidates as u64);
+                self.spinner.reset_eta();
+                self.step(&format!("looking for effect {effect} among {candidates}"), WITH_COUNT);
+            }
+            Progress::Compared => self.spinner.inc(1),
+        }
+    }
+
+    fn step(&self, what: &str, template: &str) {
         console::detail(format_args!("{:6.1} s  {what}", self.began.elapsed().as_secs_f64()));
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.spinner.set_style(style);
+        }
         self.spinner.set_message(what.to_owned());
     }
 

@@ -9,6 +9,7 @@ use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
 use super::judge::settings::Settings;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
+use super::progress::{Progress, Watch};
 use super::search::{Ended, parameters, rung, settled};
 use crate::fit::{Candidate, Fit, Free, SCORE_ITERATIONS};
 use crate::recording::Units;
@@ -24,12 +25,12 @@ pub(super) fn found(
     request: &Request,
     units: &Units,
     ruling: &Ruling,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Result<Discovery, DiscoverError> {
     let start = prepared(request, FIT_SEGMENT_S, Some(ruling), progress)
         .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress))?;
     let (data, base) = (&start.data, &start.base);
-    progress("fitting the simulated motion");
+    progress(Progress::Step("fitting the simulated motion"));
     let small = |(kind, share): &(Kind, f64)| {
         format!(
             "{} is seen too, with {:.0} % of the energy of the gap: too little to be named",
@@ -241,9 +242,9 @@ const fn rejected(rejection: Rejection) -> &'static str {
         Rejection::Gain => "gains too little, or not in every part of the recordings",
         Rejection::Inertia => "the inertia is not positive with it",
         Rejection::Base => "the friction of the base is negative with it",
-        Rejection::Coherence => "the drive tells less of the acceleration with it",
-        Rejection::Disagreement(_) => "drive and acceleration do not say the same force",
+        Rejection::Coherence => "with it the drive determines a smaller share of the acceleration",
+        Rejection::Disagreement(_) => "the drive and the acceleration give different forces for it",
         Rejection::Amplitude => "its amplitude has the wrong sign",
-        Rejection::Floor => "a constant and the direction say as much of the drive",
+        Rejection::Floor => "a constant and the direction predict the drive as well",
     }
 }

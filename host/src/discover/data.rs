@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use crate::fit::{self, Problem, Segment, Track, median, session};
+use crate::fit::{self, Problem, Segment, Track, median, sampled, session};
 use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
@@ -64,12 +64,15 @@ impl Data {
             // A segment to fit must not reach into the part that is held out.
             !holdout.is_empty() || (segment.start + segment.len) * 3 <= tracks[segment.track].t.len() * 2
         };
+        let of = |all: &[Segment], wanted: &dyn Fn(&Segment) -> bool| -> Vec<Segment> {
+            all.iter().copied().filter(|segment| wanted(segment)).collect()
+        };
         let available = segments.len();
-        let fit = sampled(segments.iter().filter(|s| !held_out(s) && within(s)), MAX_FIT_SEGMENTS);
-        let score = sampled(segments.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
-        let open_loop = sampled(open.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
+        let fit = sampled(of(&segments, &|s| !held_out(s) && within(s)), MAX_FIT_SEGMENTS);
+        let score = sampled(of(&segments, &held_out), MAX_SCORE_SEGMENTS);
+        let open_loop = sampled(of(&open, &held_out), MAX_SCORE_SEGMENTS);
         let ahead = fit::segments(&tracks, OPEN_LOOP_S * segment_s / FIT_SEGMENT_S);
-        let ahead = sampled(ahead.iter().filter(|s| held_out(s)), MAX_SCORE_SEGMENTS);
+        let ahead = sampled(of(&ahead, &held_out), MAX_SCORE_SEGMENTS);
         let sigma = median(tracks.iter().map(|t| t.sigma).collect()).max(f64::MIN_POSITIVE);
         Self {
             tracks: tracks.into(),
@@ -113,10 +116,4 @@ impl Data {
     pub fn over<'a>(&'a self, segments: &'a [Segment]) -> Problem<'a> {
         Problem { segments, ..self.problem() }
     }
-}
-
-/// At most `most` of the segments, evenly taken.
-fn sampled<'a>(segments: impl Iterator<Item = &'a Segment>, most: usize) -> Vec<Segment> {
-    let all: Vec<Segment> = segments.copied().collect();
-    if all.len() <= most { all } else { (0..most).map(|i| all[i * all.len() / most]).collect() }
 }

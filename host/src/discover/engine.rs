@@ -15,6 +15,7 @@ use super::judge::library::weighs;
 use super::judge::ruling::Ruling;
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, Overlay, Provenance};
+use super::progress::{Progress, Watch};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
@@ -101,12 +102,12 @@ pub struct Request {
 ///
 /// # Errors
 /// [`DiscoverError`].
-pub fn discover(request: &Request, progress: &(dyn Fn(&str) + Sync)) -> Result<Discovery, DiscoverError> {
+pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
     let units = same_units(request)?;
     let (request, age_s) = on_the_sensors_clock(request);
     let request = &request;
-    progress("judging the measured forces");
+    progress(Progress::Step("judging the measured forces"));
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
     let (request, ruling, rezeroed) = ruled(request, known, &units);
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
@@ -243,15 +244,15 @@ pub(super) fn prepared(
     request: &Request,
     segment_s: f64,
     ruling: Option<&Ruling>,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Result<Prepared, DiscoverError> {
-    progress("preparing the recordings");
+    progress(Progress::Step("preparing the recordings"));
     let data = Data::new(&request.recordings, &request.holdout, segment_s);
     if data.fit.len() < 3 || data.score.is_empty() {
         return Err(DiscoverError::TooShort(segment_s));
     }
     let (starts, remarks) = starting_models(request, ruling)?;
-    progress("fitting the base model");
+    progress(Progress::Step("fitting the base model"));
     let fits = starts.iter().map(|start| fit_softly(&data, start, BASE_ITERATIONS));
     let base = nearest(&data, fits).map_err(|error| DiscoverError::Base(error.to_string()))?;
     Ok(Prepared { data, base, remarks })
@@ -263,19 +264,19 @@ pub(super) fn assembled(
     prepared: &Prepared,
     units: &Units,
     ended: Ended,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Discovery {
     let Prepared { data, base, remarks } = prepared;
     let mut remarks = remarks.clone();
     remarks.extend(ended.remarks);
     let (current, named, ladder) = (ended.fit, ended.named, ended.ladder);
-    progress("drawing the map");
+    progress(Progress::Step("drawing the map"));
     let where_map = match (Screen::new(data, &base.candidate), Screen::new(data, &current.candidate)) {
         (Some(before), Some(after)) => where_map::rows(data, &before, &after, units),
         _ => Vec::new(),
     };
     let next_experiment = ended.tie.and_then(|Tie { a, b, kinds }| {
-        progress("designing the next experiment");
+        progress(Progress::Step("designing the next experiment"));
         next_experiment::deciding(&a.candidate, &b.candidate, &kinds, &limits(data), units)
     });
     Discovery {
@@ -352,10 +353,7 @@ fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Ca
         bases.truncate(1);
     }
     let remarks = match identified {
-        // What is missing is said below, and better.
-        Ok(identified) => {
-            identified.remarks.into_iter().filter(|remark| !remark.contains("`breakaway discover`")).collect()
-        }
+        Ok(identified) => identified.remarks,
         Err(error) if bases.is_empty() => return Err(error.into()),
         Err(_) => Vec::new(),
     };

@@ -11,6 +11,7 @@ pub mod judge;
 mod model;
 pub mod next_experiment;
 pub mod outcome;
+pub mod progress;
 pub mod screen;
 mod search;
 mod small_effects;

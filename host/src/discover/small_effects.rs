@@ -12,6 +12,7 @@ use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
 use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::{Discovery, Verdict};
+use super::progress::{Progress, Watch};
 use super::search::Search;
 use crate::fit::Candidate;
 use crate::recording::Units;
@@ -27,13 +28,13 @@ pub(super) fn found(
     units: &Units,
     judged: Option<(&Ruling, Option<&Candidate>)>,
     kinds: &[Kind],
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Result<Discovery, DiscoverError> {
     let work = Arc::default();
     let over = |segment_s: f64| within(request, units, (segment_s, &work), (judged, kinds), progress);
     let mut found = over(FIT_SEGMENT_S)?;
     if found.verdict == Verdict::Unknown {
-        progress("looking again over shorter segments");
+        progress(Progress::Step("looking again over shorter segments"));
         match over(SHORT_SEGMENT_S) {
             Ok(mut short) if !short.effects.is_empty() => {
                 short.remarks.push(format!(
@@ -56,7 +57,7 @@ fn within(
     units: &Units,
     (segment_s, work): (f64, &Arc<AtomicU64>),
     (judged, kinds): (Option<(&Ruling, Option<&Candidate>)>, &[Kind]),
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Result<Discovery, DiscoverError> {
     let ruling = judged.map(|(ruling, _)| ruling);
     let mut start =

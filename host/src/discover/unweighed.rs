@@ -9,6 +9,7 @@ use super::judge::library::weighs;
 use super::judge::ruling::{Finding, Ruling};
 use super::model::Model;
 use super::outcome::Discovery;
+use super::progress::{Progress, Watch};
 use super::search::{Standing, confusable, stand_ins};
 use crate::recording::Units;
 
@@ -22,7 +23,7 @@ pub(super) fn compared(
     units: &Units,
     ruling: &Ruling,
     found: Discovery,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: Watch<'_>,
 ) -> Discovery {
     let unweighed = |finding: &Finding| {
         let mut kinds = confusable(finding.effect.kind, false);
@@ -36,7 +37,7 @@ pub(super) fn compared(
     let start = prepared(request, FIT_SEGMENT_S, Some(ruling), progress)
         .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress));
     let Ok(start) = start else { return found };
-    progress("comparing what the measured forces do not tell apart");
+    progress(Progress::Step("comparing what the measured forces do not tell apart"));
     let mut findings = ruling.findings.clone();
     let mut changed = false;
     for j in 0..findings.len() {

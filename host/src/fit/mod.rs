@@ -37,7 +37,7 @@ mod statistics;
 pub use candidate::{Candidate, Free};
 pub use covariance::Covariance;
 pub use prepare::{Track, session};
-pub use segments::{Segment, segments};
+pub use segments::{Segment, sampled, segments};
 pub use settings::SCORE_ITERATIONS;
 use settings::{LEAST_TO_SOFTEN, SOFTEN_ABOVE};
 pub use statistics::median;

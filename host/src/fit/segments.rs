@@ -31,3 +31,11 @@ pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
     }
     segments
 }
+
+/// At most `most` of the segments, evenly taken.
+pub fn sampled(segments: Vec<Segment>, most: usize) -> Vec<Segment> {
+    if segments.len() <= most {
+        return segments;
+    }
+    (0..most).map(|i| segments[i * segments.len() / most]).collect()
+}

@@ -35,11 +35,7 @@ pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> ModelEst
 
 /// At most [`MAX_SEGMENTS`] segments, evenly taken.
 pub(super) fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<fit::Segment> {
-    let all = fit::segments(tracks, length_s);
-    if all.len() <= MAX_SEGMENTS {
-        return all;
-    }
-    (0..MAX_SEGMENTS).map(|i| all[i * all.len() / MAX_SEGMENTS]).collect()
+    fit::sampled(fit::segments(tracks, length_s), MAX_SEGMENTS)
 }
 
 pub(super) fn output_error<'a>(tracks: &'a [Track], segments: &'a [fit::Segment], noise: f64) -> Problem<'a> {

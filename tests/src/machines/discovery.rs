@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use breakaway::discover::engine::{Request, discover};
 use breakaway::discover::outcome::Discovery;
+use breakaway::discover::progress::Watch;
 
 use super::score::{Named, PANICKED, REFUSED};
 use super::splits::Taken;
@@ -31,7 +32,7 @@ pub struct Said {
 }
 
 /// Discovers a split with nothing told. A panic is a result of its own: the other rows are still to come.
-pub fn run(taken: Taken, progress: &(dyn Fn(&str) + Sync)) -> Said {
+pub fn run(taken: Taken, progress: Watch<'_>) -> Said {
     let began = Instant::now();
     let request = Request { recordings: taken.fit, holdout: taken.holdout, ..Request::default() };
     let nothing = |verdict: &str, refusal: String| Said {

@@ -20,7 +20,7 @@ const SECTIONS: usize = 14;
 /// the place of rest, that it has in `first`; `None` where one zero for all does.
 pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, settings: &Settings) -> Option<Vec<f64>> {
     let finding = ruling.findings.iter().find(|finding| finding.own_zeros)?;
-    let law = Law::of(finding, ruling)?;
+    let law = PositionLaw::of(finding, ruling)?;
     let place = |recording: &Recording| law.place(recording, ruling, settings);
     let reference = place(first)?;
     let shift = |recording| place(recording).map_or(0.0, |own| law.nearest(own - reference));
@@ -28,14 +28,14 @@ pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, sett
 }
 
 /// A law of the position, as a force on the side of the drive.
-struct Law {
+struct PositionLaw {
     kind: Kind,
     amplitude: f64,
     /// Radians in a position unit along its wave; nothing of a spring, which does not repeat.
     wave_number: Option<f64>,
 }
 
-impl Law {
+impl PositionLaw {
     fn of(finding: &Finding, ruling: &Ruling) -> Option<Self> {
         let Effect { kind, p } = finding.effect;
         let (amplitude, wave_number) = match kind {

@@ -66,16 +66,23 @@ pub(super) fn excluded(kind: Kind, effects: &[Effect<f64>], rotary: bool) -> Opt
     effects.iter().find_map(|effect| kind.excludes(effect.kind).or_else(|| residue(effect.kind)))
 }
 
-/// Tries the effects `kinds` beside `current`.
+/// Tries the effects `kinds` beside `current`; `compared` is called as each was compared over a part of the segments.
 ///
 /// A model that misses a machine by many times the noise of its encoder is not judged by the few segments that happen to come near
 /// that noise: the floor of the logarithm is a share of what the best effect leaves, or the `incumbent`, in whose place they are tried.
-pub(super) fn add(data: &Data, current: &Fit, kinds: &[Kind], incumbent: Option<&Fit>, rotary: bool) -> Option<Round> {
+pub(super) fn add(
+    data: &Data,
+    current: &Fit,
+    (kinds, compared): (&[Kind], &(dyn Fn() + Sync)),
+    incumbent: Option<&Fit>,
+    rotary: bool,
+) -> Option<Round> {
     let screen = Screen::of_all_widths(data, &current.candidate)?;
     let softened = data.softened(PART_FLOOR * median(current.mse.clone()));
     let halving = Halving::new(&softened, current, rotary);
-    let first =
-        over_part(&halving, &softened, &screen, kinds, |kind| excluded(kind, &current.candidate.effects, rotary));
+    let first = over_part(&halving, &softened, &screen, (kinds, compared), |kind| {
+        excluded(kind, &current.candidate.effects, rotary)
+    });
     let own = |fit: &Fit| halving.current.cost - fit.cost;
     let mut gains: Vec<(usize, f64)> =
         first.iter().enumerate().filter_map(|(i, t)| Some((i, own(t.fit.as_ref().ok()?)))).collect();
@@ -123,7 +130,7 @@ fn over_part(
     halving: &Halving<'_>,
     data: &Data,
     screen: &Screen<'_>,
-    kinds: &[Kind],
+    (kinds, compared): (&[Kind], &(dyn Fn() + Sync)),
     excluded: impl Fn(Kind) -> Option<&'static str> + Sync,
 ) -> Vec<Tried> {
     let begin = |kind: Kind| {
@@ -135,6 +142,7 @@ fn over_part(
                 Ok(fit)
             }),
         };
+        compared();
         Tried { kind, fit }
     };
     let (bodies, laws): (Vec<Kind>, Vec<Kind>) = kinds.iter().partition(|kind| kind.second_body());

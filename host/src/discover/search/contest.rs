@@ -44,7 +44,7 @@ impl Search<'_> {
             model.fit(&self.data.problem(), Some(&node.fit.initial), LAST_ITERATIONS).ok()?
         };
         let kinds = confusable(node.kinds()[j], !node.gap.something_left());
-        add(self.data, &without, &kinds, Some(&node.fit), self.rotary).map(Arc::new)
+        add(self.data, &without, (&kinds, &|| ()), Some(&node.fit), self.rotary).map(Arc::new)
     }
 
     /// The model with every effect dropped that the others do without, and every one replaced by another that does better, or as
@@ -121,7 +121,7 @@ pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[
         return Vec::new();
     };
     // What needs an angle the judge can weigh.
-    let Some(round) = add(data, &without, kinds, Some(fit), false) else { return Vec::new() };
+    let Some(round) = add(data, &without, (kinds, &|| ()), Some(fit), false) else { return Vec::new() };
     let standing = |own: &Fit| {
         let extra = own.free.len().saturating_sub(fit.free.len());
         if better(&gain(&round.data, fit, own), extra) {

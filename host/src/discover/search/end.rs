@@ -9,6 +9,7 @@ use super::table::{nearest, parameters, rivals, table};
 use crate::discover::data::Data;
 use crate::discover::gap::{Gap, open_loop_squares, root_mean};
 use crate::discover::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
+use crate::discover::progress::{Progress, Watch};
 use crate::fit::{Covariance, Fit};
 
 /// Two fits that the recordings do not tell apart.
@@ -35,8 +36,8 @@ pub(in crate::discover) struct Ended {
 
 impl Search<'_> {
     /// Names the best of the models visited, with all that goes with it.
-    pub(super) fn end(mut self, visited: Vec<Node>, progress: &(dyn Fn(&str) + Sync)) -> Ended {
-        progress("checking the model on held-out data");
+    pub(super) fn end(mut self, visited: Vec<Node>, progress: Watch<'_>) -> Ended {
+        progress(Progress::Step("checking the model on held-out data"));
         let node = self.chosen(visited);
         self.remarks.extend(node.remarks.iter().cloned());
         let kinds = node.kinds();

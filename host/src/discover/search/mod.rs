@@ -22,6 +22,7 @@ use breakaway_core::plant::Kind;
 use super::data::Data;
 use super::engine::radians;
 use super::model::Model;
+use super::progress::{Progress, Watch};
 use crate::fit::{Fit, median};
 use crate::recording::Units;
 use add::{Round, add};
@@ -79,7 +80,7 @@ impl<'a> Search<'a> {
     }
 
     /// The model that can be named. `start` is one to begin with, beside the base.
-    pub(super) fn run(mut self, start: Option<&Model>, progress: &(dyn Fn(&str) + Sync)) -> Ended {
+    pub(super) fn run(mut self, start: Option<&Model>, progress: Watch<'_>) -> Ended {
         let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
         let mut visited = beam.clone();
         if !beam.iter().any(|node| node.explained(&self.base.gap)) {
@@ -103,7 +104,7 @@ impl<'a> Search<'a> {
 
     /// All that grows out of the beam; no more than comes of its first model where that explains the recordings. The base is always
     /// looked at, another only within the bound of work.
-    fn grown(&mut self, beam: &[Node], progress: &(dyn Fn(&str) + Sync)) -> Vec<Node> {
+    fn grown(&mut self, beam: &[Node], progress: Watch<'_>) -> Vec<Node> {
         let mut pool: Vec<Node> = Vec::new();
         for parent in beam {
             let at_the_noise = parent.added() > 0 && !parent.gap.something_left();
@@ -115,8 +116,8 @@ impl<'a> Search<'a> {
                 self.remarks.push(remark.to_owned());
                 break;
             }
-            progress(&format!("looking for effect {} among {}", parent.added() + 1, self.kinds.len()));
-            pool.extend(self.children(parent));
+            progress(Progress::Round { effect: parent.added() + 1, candidates: self.kinds.len() });
+            pool.extend(self.children(parent, progress));
             if pool.iter().any(|node| node.explained(&self.base.gap)) {
                 break;
             }
@@ -125,8 +126,8 @@ impl<'a> Search<'a> {
     }
 
     /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
-    fn begun(&self, model: &Model, progress: &(dyn Fn(&str) + Sync)) -> Option<Node> {
-        progress("fitting the simulated motion");
+    fn begun(&self, model: &Model, progress: Watch<'_>) -> Option<Node> {
+        progress(Progress::Step("fitting the simulated motion"));
         let problem = self.data.problem();
         let fit = model.fit(&problem, None, ITERATIONS).ok()?;
         let fit = descend::converged(self.data, &fit);
@@ -139,8 +140,9 @@ impl<'a> Search<'a> {
 
     /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
     /// held-out data may be right, so that both stay in the beam.
-    fn children(&mut self, parent: &Node) -> Vec<Node> {
-        let Some(round) = add(self.data, &parent.fit, self.kinds, None, self.rotary).map(Arc::new) else {
+    fn children(&mut self, parent: &Node, progress: Watch<'_>) -> Vec<Node> {
+        let compared = || progress(Progress::Compared);
+        let Some(round) = add(self.data, &parent.fit, (self.kinds, &compared), None, self.rotary).map(Arc::new) else {
             return Vec::new();
         };
         if parent.added() == 0 {

@@ -63,7 +63,7 @@ pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>
     }
     let damping = |role| role == Role::DampingRatio;
     if candidate.effects.iter().any(|effect| any(effect, damping, |ratio| ratio > MOST_DAMPING)) {
-        return Err("its body hardly rings: what gives may be a gap's contact".to_owned());
+        return Err("the second body does not oscillate: its damping ratio is too large for a coupling, and a backlash may be what is there".to_owned());
     }
     Ok(())
 }

@@ -31,7 +31,7 @@ impl Search<'_> {
             } else if node.added() == 1 && !names(&round.data, &round.without, &node.fit) {
                 "fits, but most segments do not bear it out".to_owned()
             } else if node.added() > 1 && !further() && !before.closed_by(&node.gap) {
-                "thins what is left in a few segments, and does not close it".to_owned()
+                "lowers the error in a few segments only, and a gap stays".to_owned()
             } else {
                 continue;
             };

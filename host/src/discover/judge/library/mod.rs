@@ -1,0 +1,139 @@
+//! Columns of every effect that the judge knows, and of the decoys that stand for something else.
+
+mod bodies;
+mod decoys;
+mod drive;
+mod motion;
+mod position;
+mod time;
+
+use breakaway_core::plant::Kind;
+
+use super::sides::{Fitted, Model, Weights};
+use super::term::{Name, Term};
+use super::weak_form::{Field, Sample, WeakForm, percentile};
+
+/// Lines of the spectrum that are tried.
+const LINES: usize = 6;
+/// Windows from which a recording may have a phase of its own.
+const LEAST_ROWS: usize = 20;
+/// Most recordings that may each have a phase of their own.
+const MOST_PHASES: usize = 12;
+
+/// Whether columns of a window stand for an effect. What holds at rest, and what strikes, acts in less than a window.
+pub const fn weighs(kind: Kind) -> bool {
+    !matches!(kind, Kind::Stiction | Kind::Backlash)
+}
+
+/// What the columns are made of.
+pub struct Library<'a> {
+    form: &'a WeakForm<'a>,
+    model: &'a Model,
+    /// The drive as it arrives, and as side U of the model predicts it.
+    arrived: Field,
+    predicted: Field,
+    /// Side U's residual.
+    residual: &'a [f64],
+    weights: &'a [f64],
+    /// Acceleration that side A of the model predicts in every window.
+    predicted_a: Vec<f64>,
+    /// Radians in a position unit; `None` where the position is no angle.
+    radians: Option<f64>,
+    /// Whether the windows are narrow enough for ripples: what is seen best in the narrowest is not sought in wider ones.
+    ripples: bool,
+    shared_zero: bool,
+    travel: f64,
+    largest_drive: f64,
+    viscous: f64,
+}
+
+impl<'a> Library<'a> {
+    /// Columns beside a fitted model.
+    pub fn new(form: &'a WeakForm<'a>, model: &'a Model, fitted: &'a Fitted, weights: &'a Weights) -> Self {
+        let pieces = &form.dataset.pieces;
+        let travel = |p: &super::dataset::Piece| {
+            let (low, high) = p.x.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            high - low
+        };
+        Self {
+            form,
+            model,
+            arrived: model.arrived(form),
+            predicted: model.predicted_drive(form, &fitted.u),
+            residual: &fitted.u.residual,
+            weights: &weights.u,
+            predicted_a: fitted.a.target.iter().zip(&fitted.a.residual).map(|(a, r)| a - r).collect(),
+            radians: form.radians,
+            ripples: form.ripples,
+            shared_zero: false,
+            travel: pieces.iter().map(travel).fold(0.0, f64::max),
+            largest_drive: percentile(pieces.iter().flat_map(|p| &p.u).map(|u| u.abs()).collect(), 0.98),
+            viscous: fitted.u.c.max(0.0),
+        }
+    }
+
+    /// Terms that are cheap and that hide others: tried in pairs.
+    pub fn partners(&self) -> Vec<Term> {
+        let mut terms = self.of_the_motion();
+        terms.retain(|t| t.name != Name::Effect(Kind::Stribeck));
+        terms.extend(self.of_the_drive());
+        terms.extend(self.bristles());
+        terms.retain(|t| !matches!(t.name, Name::Effect(Kind::LuGre | Kind::PwmDeadTime)));
+        terms
+    }
+
+    /// Every term that may be tried beside the model.
+    pub fn terms(&self) -> Vec<Term> {
+        let mut terms = self.of_the_motion();
+        if self.ripples {
+            terms.extend(self.periodic());
+        }
+        terms.extend(self.bristles());
+        terms.extend(self.second_bodies());
+        terms.extend(self.of_the_drive());
+        terms.extend(self.of_time());
+        terms.extend(self.decoys());
+        terms
+    }
+
+    pub(super) fn field(&self, f: impl Fn(Sample) -> f64) -> Field {
+        self.form.field(f)
+    }
+
+    /// Each of the fields within each recording that moves, and nothing in the others; `None` where that is one recording, or where
+    /// they are too many.
+    pub(super) fn of_each_recording(&self, fields: &[Field]) -> Option<Vec<Field>> {
+        let dataset = self.form.dataset;
+        if !(2..=MOST_PHASES).contains(&dataset.recordings) {
+            return None;
+        }
+        let own = |i: usize, field: &Field| -> Field {
+            let pieces = field.iter().zip(&dataset.pieces);
+            pieces.map(|(g, p)| if p.recording == i { g.clone() } else { vec![0.0; g.len()] }).collect()
+        };
+        let rows = |i: usize| self.form.rows.iter().filter(|r| dataset.pieces[r.piece].recording == i).count();
+        let moving: Vec<usize> = (0..dataset.recordings).filter(|i| rows(*i) > LEAST_ROWS).collect();
+        (moving.len() > 1).then(|| moving.iter().flat_map(|i| fields.iter().map(|f| own(*i, f))).collect())
+    }
+
+    /// Whether the drive varies within the recordings: else a column that holds it predicts it for nothing.
+    pub(super) fn drive_varies(&self) -> bool {
+        let (mut varied, mut total) = (0.0, 0.0);
+        for recording in 0..self.form.dataset.recordings {
+            let rows = || {
+                let own = self.form.rows.iter().zip(&self.form.row_u);
+                own.filter(move |(r, _)| self.form.dataset.pieces[r.piece].recording == recording).map(|(_, u)| u.abs())
+            };
+            let count = rows().count().max(1) as f64;
+            let mean = rows().sum::<f64>() / count;
+            varied += rows().map(|u| (u - mean).powi(2)).sum::<f64>();
+            total += rows().map(|u| u * u).sum::<f64>();
+        }
+        varied > 0.03 * total
+    }
+}
+
+/// A force of an effect.
+fn effect(kind: Kind, fields: Vec<Field>) -> Term {
+    Term::force(Name::Effect(kind), fields)
+}

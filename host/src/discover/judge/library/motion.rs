@@ -1,0 +1,84 @@
+//! Columns of laws of the motion: loads, friction over speed, springs, bristles.
+
+use breakaway_core::plant::Kind;
+
+use super::super::term::{Sign, Term};
+use super::super::weak_form::{Field, percentile};
+use super::{Library, effect};
+
+impl Library<'_> {
+    pub(super) fn of_the_motion(&self) -> Vec<Term> {
+        let mut terms = vec![
+            effect(Kind::ConstantLoad, vec![self.field(|_| 1.0)]),
+            effect(Kind::AsymmetricViscous, vec![self.field(|s| s.v.abs())]),
+            effect(Kind::QuadraticDrag, vec![self.field(|s| s.v * s.v.abs())]).signed(Sign::Positive),
+        ];
+        let centre = self.centre();
+        let stretch = self.field(|s| s.x - centre);
+        terms.push(effect(Kind::Spring, vec![stretch.clone(), self.field(|_| 1.0)]).signed(Sign::Positive));
+        if let Some(own) = self.of_each_recording(&[self.field(|_| 1.0)]) {
+            let mut term = effect(Kind::Spring, std::iter::once(stretch).chain(own).collect());
+            (term.size, term.own_zeros) = (2, true);
+            terms.push(term.signed(Sign::Positive));
+        }
+        if let Some(radians) = self.radians {
+            terms.extend(self.waves(Kind::GravityLoad, radians, |_, wave| wave));
+        }
+        for share in [0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5] {
+            let vs = share * self.form.v95;
+            for p in [1.0, 2.0] {
+                let field = self.field(|s| (-(s.v.abs() / vs).powf(p)).exp() * s.direction);
+                let mut term = effect(Kind::Stribeck, vec![field]).signed(Sign::Positive).with(1, vs);
+                if p != 2.0 {
+                    term.parameters.push((2, p));
+                }
+                terms.push(term);
+            }
+        }
+        terms
+    }
+
+    /// Middle of the positions.
+    fn centre(&self) -> f64 {
+        percentile(self.form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect(), 0.5)
+    }
+
+    pub(super) fn bristles(&self) -> Vec<Term> {
+        let mut terms = Vec::new();
+        let noise = self.form.dataset.pieces.iter().map(|p| p.sigma).fold(0.0, f64::max);
+        let (least, most) = (6.0 * noise, 0.7 * self.travel);
+        if most <= least || self.model.terms.iter().any(|t| t.replaces_direction) {
+            return terms;
+        }
+        for i in 0..11 {
+            let stroke = least * (most / least).powf(f64::from(i) / 10.0);
+            let mut term = effect(Kind::Dahl, vec![self.bristle(stroke, None)]).with(0, stroke);
+            term.replaces_direction = true;
+            terms.push(term.signed(Sign::Positive));
+            for (share, rise) in [(0.03, 0.3), (0.03, 0.8), (0.1, 0.3), (0.1, 0.8)] {
+                let vs = share * self.form.v95;
+                let field = self.bristle(stroke, Some((vs, rise)));
+                let mut term = effect(Kind::LuGre, vec![field]).with(0, stroke).with(1, vs).with(2, rise);
+                term.replaces_direction = true;
+                terms.push(term.signed(Sign::Positive));
+            }
+        }
+        terms
+    }
+
+    /// A bristle along the measured path, ±1 where it slides; with a Stribeck curve: its velocity and its rise.
+    fn bristle(&self, stroke: f64, stribeck: Option<(f64, f64)>) -> Field {
+        let each = self.form.v.iter().zip(&self.form.dataset.pieces).map(|(v, piece)| {
+            let mut z = 0.0;
+            v.iter()
+                .map(|v| {
+                    let level = stribeck.map_or(1.0, |(vs, rise)| 1.0 + rise * (-(v / vs).powi(2)).exp());
+                    let end = level * v.signum();
+                    z = end + (z - end) * (-v.abs() * piece.h_s / (stroke * level)).exp();
+                    z
+                })
+                .collect()
+        });
+        each.collect()
+    }
+}

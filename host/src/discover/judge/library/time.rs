@@ -1,0 +1,65 @@
+//! Columns of effects of session time.
+
+use std::sync::Arc;
+
+use breakaway_core::plant::Kind;
+
+use super::super::term::{Column, Term};
+use super::super::wave_numbers::{Over, Peaks, peaks};
+use super::super::weak_form::Field;
+use super::{LINES, Library, effect};
+
+/// Parts of a session at whose ends the inertia may step.
+const INSTANTS: u32 = 24;
+
+impl Library<'_> {
+    /// Whether an angular frequency is a harmonic of the excitation: what repeats with the motion is told from a function of the
+    /// motion by nothing.
+    fn harmonic_of_the_drive(&self, omega: f64) -> bool {
+        self.form.dataset.fundamentals().iter().any(|(fundamental, cycles)| {
+            let order = omega / fundamental;
+            (order - order.round()).abs() < 1.5 / cycles && order.round() >= 1.0
+        })
+    }
+
+    /// Effects of session time, where the recordings share a clock.
+    pub(super) fn of_time(&self) -> Vec<Term> {
+        let form = self.form;
+        let mut terms = Vec::new();
+        if !form.dataset.shared_clock {
+            return terms;
+        }
+        let times: Vec<f64> = form.rows.iter().map(|r| form.dataset.pieces[r.piece].t[r.centre]).collect();
+        let (Some(first), Some(last)) = (times.first(), times.last()) else { return terms };
+        let (first, span) = (*first, last - first);
+        let drift = self.field(|s| s.direction * (s.t - first) / span);
+        terms.push(effect(Kind::FrictionDrift, vec![drift]));
+        if self.drive_varies() {
+            let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
+            let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
+            term.a = vec![Column::force(of(&self.arrived))];
+            term.holds_drive = true;
+            terms.push(term);
+        }
+        let Peaks { lines, of_lines } = peaks(form, self.residual, self.weights, Over::Time, LINES);
+        for omega in lines {
+            if self.harmonic_of_the_drive(omega) {
+                continue;
+            }
+            let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
+            let term = effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega);
+            terms.push(Term { chosen_of: of_lines, ..term });
+        }
+        for i in 1..INSTANTS {
+            let instant = first + span * f64::from(i) / f64::from(INSTANTS);
+            let after =
+                |values: &[f64]| values.iter().zip(&times).map(|(a, t)| if *t > instant { *a } else { 0.0 }).collect();
+            let mut term = effect(Kind::InertiaStep, Vec::new()).with(1, instant);
+            term.chosen_of = f64::from(INSTANTS);
+            term.u = vec![Column::Windows(Arc::new(after(&form.row_a)))];
+            term.a = vec![Column::Windows(Arc::new(after(&self.predicted_a)))];
+            terms.push(term);
+        }
+        terms
+    }
+}
