@@ -39,8 +39,8 @@ const BEAM: usize = 2;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
 /// Simulated numbers after which a search tries no further effect. A sample counts one for each sub-step, and as many more as its
-/// derivatives take in memory. They take about 25 s of a core; a round of all effects takes half as many.
-const MOST_WORK: u64 = 250_000_000;
+/// derivatives take in memory. They take about 20 s of a core; a round of all effects takes half as many.
+const MOST_WORK: u64 = 400_000_000;
 /// Multiple of that after which effects are not dropped or swapped either, of a model that the round before the bound gave.
 const LAST_WORK: u64 = 2;
 /// Iterations of a model to start from.
