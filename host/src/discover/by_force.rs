@@ -3,11 +3,12 @@
 use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::engine::{DiscoverError, Request, assembled, prepared};
+use super::engine::{DiscoverError, Request, assembled, prepared, radians};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
 use super::judge::settings::Settings;
+use super::model::Model;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::progress::{Progress, Watch};
 use super::search::{Ended, parameters, rung, settled};
@@ -39,7 +40,11 @@ pub(super) fn found(
         )
     };
     let mut remarks: Vec<String> = ruling.seen.iter().map(small).collect();
-    let fit = if ruling.findings.is_empty() { base.clone() } else { simulated(data, base, ruling, &mut remarks) };
+    let fit = if ruling.findings.is_empty() {
+        base.clone()
+    } else {
+        simulated(data, base, ruling, radians(units).is_some(), &mut remarks)
+    };
     let errors = data.problem().covariance(&fit);
     let known = base.candidate.effects.len();
     let named = ruling.findings.iter().enumerate().map(|(j, finding)| {
@@ -124,7 +129,7 @@ fn verdict(ruling: &Ruling) -> Verdict {
 
 /// The model with the findings: fitted to the simulated motion, or with the parameters of the force fit where that follows the
 /// open loop better, as behind teeth of which the simulated rotor is soon off by one.
-fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>) -> Fit {
+fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool, remarks: &mut Vec<String>) -> Fit {
     let mut candidate = Candidate { base: ruling.base, effects: base.candidate.effects.clone() };
     candidate.effects.extend(ruling.findings.iter().map(|finding| finding.effect));
     let known = base.candidate.effects.len();
@@ -136,7 +141,11 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>
     free.retain(|free| !held(free));
     let problem = data.problem();
     let by_force = problem.fit(&candidate, &[], None, SCORE_ITERATIONS);
-    let by_motion = problem.fit(&candidate, &free, None, ITERATIONS).map(|fit| settled(data, fit));
+    let of = |start: &Candidate| problem.fit(start, &free, None, ITERATIONS).map(|fit| settled(data, fit));
+    let by_motion = match (of(&candidate), in_whole_waves(&candidate, known, rotary).map(|whole| of(&whole))) {
+        (Ok(own), Some(Ok(whole))) if whole.cost < own.cost => Ok(whole),
+        (own, _) => own,
+    };
     let open_loop = |fit: &Fit| {
         let windows = open_loop_squares(data, &data.open_loop, fit);
         let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
@@ -161,6 +170,16 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, remarks: &mut Vec<String>
     };
     remarks.push(format!("the parameters are those of the force fit: {reason}"));
     by_force
+}
+
+/// The candidate with whole waves in a turn for the effects after the first `known`, where they have a number near a whole one and the
+/// position is an angle. The force fit tells such a number from few turns.
+fn in_whole_waves(candidate: &Candidate, known: usize, rotary: bool) -> Option<Candidate> {
+    let model = Model::new(candidate);
+    let added = known..candidate.effects.len();
+    let whole =
+        added.fold(None, |whole: Option<Model>, j| whole.as_ref().unwrap_or(&model).in_whole_waves(j).or(whole));
+    whole.filter(|_| rotary).map(|whole| whole.candidate())
 }
 
 /// The first effect whose main parameter the simulated motion brings below a tenth of the force fit's, or above ten times it.
