@@ -267,3 +267,21 @@ const fn rejected(rejection: Rejection) -> &'static str {
         Rejection::Floor => "a constant and the direction predict the drive as well",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use breakaway_core::plant::Base;
+
+    use super::*;
+
+    /// 3.0855 waves, as the forces of a virtual board gave for 3: whole along an angle, not along a slide, and not of what was known.
+    #[test]
+    fn waves_near_a_whole_number_are_tried_whole() {
+        let ripple = Effect::new(Kind::PositionFriction, &[0.56, 3.0855, 0.97]);
+        let load = Effect::new(Kind::ConstantLoad, &[0.1]);
+        let candidate = Candidate { base: Base { b: 1.0, c: 1.0, f1: 1.0 }, effects: vec![load, ripple] };
+        let whole = in_whole_waves(&candidate, 1, true).unwrap();
+        assert_eq!(whole.effects[1].p[1].to_bits(), 3.0_f64.to_bits());
+        assert!(in_whole_waves(&candidate, 1, false).is_none() && in_whole_waves(&candidate, 2, true).is_none());
+    }
+}

@@ -208,18 +208,17 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
         Sign::Any => true,
         Sign::Positive => value > 0.0,
     };
-    !within(*u) || !within(*a) || [&after.u, &after.a].into_iter().any(|side| waves_differ(side, term, index))
+    let phase_for_each = term.own_zeros && term.shape == Shape::Wave;
+    let differ = |side: &Side| phase_for_each && waves_differ(&side.amplitudes[index], &side.errors[index]);
+    !within(*u) || !within(*a) || differ(&after.u) || differ(&after.a)
 }
 
 /// Standard errors, and share of the mean, by which the amplitude of one recording's wave may differ from the others'.
 const DIFFERS: [f64; 2] = [4.0, 0.5];
 
-/// Whether the waves of the recordings, each with a phase of its own, are not of one amplitude.
-fn waves_differ(side: &Side, term: &Term, index: usize) -> bool {
-    if !(term.own_zeros && term.shape == Shape::Wave) {
-        return false;
-    }
-    let pairs = side.amplitudes[index].chunks_exact(2).zip(side.errors[index].chunks_exact(2));
+/// Whether the waves of the recordings, a sine and a cosine with their errors for each, are not of one amplitude.
+fn waves_differ(amplitudes: &[f64], errors: &[f64]) -> bool {
+    let pairs = amplitudes.chunks_exact(2).zip(errors.chunks_exact(2));
     let waves: Vec<(f64, f64)> =
         pairs.map(|(a, e)| (a[0].hypot(a[1]), e[0].max(e[1]).max(f64::MIN_POSITIVE))).collect();
     let weight: f64 = waves.iter().map(|(_, error)| error.powi(-2)).sum();
@@ -242,4 +241,18 @@ pub fn floor_ratio(form: &WeakForm<'_>, fitted: &Fitted) -> f64 {
     }
     let left = total - if square > 0.0 { cross * cross / square } else { 0.0 };
     fitted.u.residual.iter().map(|r| r * r).sum::<f64>() / left.max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::waves_differ;
+
+    /// One amplitude and any phases agree; a third wave of a third of it does not, unless its error is as large as the difference.
+    #[test]
+    fn waves_of_one_amplitude_may_have_any_phases() {
+        assert!(!waves_differ(&[3.0, 4.0, -5.0, 0.0, 0.0, 5.1], &[0.1; 6]));
+        let smaller = [3.0, 4.0, -5.0, 0.0, 0.0, 1.7];
+        assert!(waves_differ(&smaller, &[0.1; 6]));
+        assert!(!waves_differ(&smaller, &[0.1, 0.1, 0.1, 0.1, 1.0, 1.0]));
+    }
 }

@@ -41,7 +41,6 @@ pub struct Library<'a> {
     radians: Option<f64>,
     /// Whether the windows are narrow enough for ripples: what is seen best in the narrowest is not sought in wider ones.
     ripples: bool,
-    shared_zero: bool,
     travel: f64,
     largest_drive: f64,
     viscous: f64,
@@ -65,7 +64,6 @@ impl<'a> Library<'a> {
             predicted_a: fitted.a.target.iter().zip(&fitted.a.residual).map(|(a, r)| a - r).collect(),
             radians: form.radians,
             ripples: form.ripples,
-            shared_zero: false,
             travel: pieces.iter().map(travel).fold(0.0, f64::max),
             largest_drive: percentile(pieces.iter().flat_map(|p| &p.u).map(|u| u.abs()).collect(), 0.98),
             viscous: fitted.u.c.max(0.0),

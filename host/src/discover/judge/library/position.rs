@@ -54,8 +54,8 @@ impl Library<'_> {
         for (row, v) in form.rows.iter().zip(&form.row_v) {
             let piece = &form.dataset.pieces[row.piece];
             if attenuation(k * v * form.half_width_s).abs() * audible(k * v * piece.h_s) > LEAST_LEFT {
-                let own = if self.shared_zero { 0 } else { piece.recording };
-                places.insert((own, (k * piece.x[row.centre] * 8.0 / std::f64::consts::TAU).floor() as i64));
+                places
+                    .insert((piece.recording, (k * piece.x[row.centre] * 8.0 / std::f64::consts::TAU).floor() as i64));
             }
         }
         places.len() as f64 / 8.0
