@@ -44,11 +44,8 @@ fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
 /// The effects that `own` may be confused with, and those that did as well `before`, beside the others.
 fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind]) -> Vec<Tried> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
-    let rival = |name: Name| match name {
-        Name::Effect(kind) => kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind)),
-        Name::Decoy(_) => false,
-    };
-    let terms = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights).terms();
-    let rivals = terms.into_par_iter().filter(|term| rival(term.name));
+    let rival = |kind| kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind));
+    let library = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights);
+    let rivals = library.of_effects(rival).into_par_iter().filter(|term| matches!(term.name, Name::Effect(_)));
     best_of_each(rivals.filter_map(|term| beside.weighed(vec![term], &Bar::OPEN)).collect(), beside.settings)
 }

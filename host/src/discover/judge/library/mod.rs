@@ -82,15 +82,29 @@ impl<'a> Library<'a> {
 
     /// Every term that may be tried beside the model.
     pub fn terms(&self) -> Vec<Term> {
+        let mut terms = self.of_effects(|_| true);
+        terms.extend(self.decoys());
+        terms
+    }
+
+    /// The terms of the wanted effects. A family of which none is wanted is not made: spectra and second bodies take most of the time.
+    pub fn of_effects(&self, wanted: impl Fn(Kind) -> bool) -> Vec<Term> {
+        let any = |kinds: &[Kind]| kinds.iter().copied().any(&wanted);
         let mut terms = self.of_the_motion();
-        if self.ripples {
+        if self.ripples && any(&position::SOUGHT) {
             terms.extend(self.periodic());
         }
-        terms.extend(self.bristles());
-        terms.extend(self.second_bodies());
+        if any(&[Kind::Dahl, Kind::LuGre]) {
+            terms.extend(self.bristles());
+        }
+        if any(&[Kind::FlexibleCoupling]) {
+            terms.extend(self.second_bodies());
+        }
         terms.extend(self.of_the_drive());
-        terms.extend(self.of_time());
-        terms.extend(self.decoys());
+        if any(&time::OF_TIME) {
+            terms.extend(self.of_time());
+        }
+        terms.retain(|term| !matches!(term.name, Name::Effect(kind) if !wanted(kind)));
         terms
     }
 

@@ -7,6 +7,8 @@ use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, pe
 use super::super::weak_form::{Field, Sample};
 use super::{LINES, Library, effect};
 
+/// Effects for which the spectrum over position is made, and the eccentricity.
+pub(super) const SOUGHT: [Kind; 3] = [Kind::Cogging, Kind::EncoderEccentricity, Kind::PositionFriction];
 /// Share of a ripple that must be left in a window for it to show it, and turns that must be shown: what is not seen twice is no
 /// ripple.
 const LEAST_LEFT: f64 = 0.1;

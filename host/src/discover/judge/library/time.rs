@@ -9,6 +9,8 @@ use super::super::wave_numbers::{Over, Peaks, peaks};
 use super::super::weak_form::Field;
 use super::{LINES, Library, effect};
 
+/// Effects of session time.
+pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
 /// Parts of a session at whose ends the inertia may step.
 const INSTANTS: u32 = 24;
 
