@@ -6,7 +6,8 @@ use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
 use super::judge::library::weighs;
-use super::judge::ruling::Ruling;
+use super::judge::ruling::{Candidacy, Ruling};
+use super::judge::settings::Settings;
 use super::outcome::Discovery;
 use super::screen::Screen;
 use crate::fit::Candidate;
@@ -55,10 +56,13 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
 
-/// Whether the measured forces, of which more is left than the sensor makes, speak against each of the names: on one side at least they
-/// are worse predicted with it, significantly.
+/// Whether the measured forces, of which more is left than the sensor makes, speak against each of the names. Either they are worse
+/// predicted with it, significantly and on one side at least; or something without a name predicts them much better.
 fn speak_against(ruling: &Ruling, small: &Discovery) -> bool {
-    let against = |kind: Kind| ruling.candidates.iter().any(|own| own.kind == kind && own.z < AGAINST);
+    let unnamed = if ruling.remainder.predictable.is_some() { ruling.decoy_gain } else { 0.0 };
+    let outdone = Settings::default().decoy * unnamed;
+    let speaks = |own: &Candidacy| own.z < AGAINST || own.gain < outdone;
+    let against = |kind: Kind| ruling.candidates.iter().any(|own| own.kind == kind && speaks(own));
     // A bristle may bend by less than the sensor's noise, and its force does not follow from the measured motion then.
     let told = |kind: Kind| weighs(kind) && !kind.bristles();
     ruling.findings.is_empty()

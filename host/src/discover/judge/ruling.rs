@@ -72,6 +72,8 @@ pub struct Ruling {
     pub seen: Vec<(Kind, f64)>,
     /// The first round of the windows that named, or of the narrowest.
     pub candidates: Vec<Candidacy>,
+    /// Gain of the best decoy of that round that is significant, nats; 0 if none is.
+    pub decoy_gain: f64,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
     pub residual_u: [f64; 2],
     /// The same of side A, over the rms of the acceleration.
@@ -161,6 +163,7 @@ pub fn rule_from(
             .rounds
             .first()
             .map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
+        decoy_gain: own.rounds.first().map_or(0.0, |round| decoy_gain(round, settings)),
         residual_u: [own.residual[0][0], own.residual[1][0]],
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
@@ -196,6 +199,14 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
     let [term] = tried.terms.as_slice() else { return None };
     let Name::Effect(kind) = term.name else { return None };
     Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
+}
+
+/// Gain of the best significant decoy of a round, nats.
+fn decoy_gain(round: &Round, settings: &Settings) -> f64 {
+    let decoys = round.tried.iter().filter(|t| matches!(t.terms[0].name, Name::Decoy(_)));
+    let significant = decoys.filter(|t| t.evidence[0].z() >= settings.least_z(t.terms[0].chosen_of));
+    let possible = significant.filter(|t| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base)));
+    possible.map(|t| t.gain).fold(0.0, f64::max)
 }
 
 /// Share of the energy of the gap that each name after the first must carry: what carries less is seen, and is not what is missing.

@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::Kind;
 
-use super::super::term::{Column, Shape, Term};
+use super::super::term::{Column, Name, Shape, Term};
 use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, peaks};
 use super::super::weak_form::{Field, Sample};
 use super::{LINES, Library, effect};
@@ -82,8 +82,27 @@ impl Library<'_> {
         }
         let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
         for k in lines.into_iter().filter(seen) {
-            terms.extend(self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave));
+            let friction = self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave);
+            if self.drive_varies() {
+                // Where a relay drives, the drive has the sign of the motion: a motor whose torque per drive ripples looks alike.
+                terms.extend(friction.iter().map(|term| self.ripple_of_the_gain(k, term)));
+            }
+            terms.extend(friction);
         }
         terms
+    }
+
+    /// A decoy beside a friction over position of wave number `k`: a gain of the drive with that wave.
+    fn ripple_of_the_gain(&self, k: f64, friction: &Term) -> Term {
+        let times = |drive: &Field| {
+            let wave =
+                |shift: f64| self.field(|s| drive[s.piece][s.k] * (k * s.x + shift).sin() * audible(k * s.v * s.h_s));
+            let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
+            let each = if friction.own_zeros { self.of_each_recording(&both) } else { None };
+            each.unwrap_or_else(|| both.to_vec())
+        };
+        let columns = |drive: &Field| times(drive).into_iter().map(Column::force).collect();
+        let name = Name::Decoy("ripple of the gain");
+        Term { name, u: columns(&self.predicted), a: columns(&self.arrived), ..friction.clone() }
     }
 }
