@@ -29,11 +29,10 @@ use crate::recording::{Recording, Units};
 /// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
 /// effect brings it down to it.
 const ROUGH: f64 = 150.0;
-/// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
-/// windows and nothing predicts it with a z over blocks that a name needs.
-const SHAKEN: [f64; 2] = [5.0, 5.0];
 /// The same up to which the sensor's noise is all that is left.
 const AT_THE_NOISE: f64 = 1.1;
+/// Force that is left in wide windows over what the sensor makes of it, from which random torque shakes the machine.
+const SHAKEN: f64 = 5.0;
 /// Times that the recordings are given one zero.
 const REZEROED: usize = 2;
 /// Iterations of the base model's fit.
@@ -199,10 +198,9 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let [simulated, left] = SHAKEN;
     let remainder = &ruling.remainder;
-    let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
-        && remainder.over_noise > left
+    let shaken = found.over_noise() > AT_THE_NOISE
+        && remainder.over_noise > SHAKEN
         && remainder.predictable.is_none()
         && remainder.significance < judge::settings::Settings::default().z;
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()

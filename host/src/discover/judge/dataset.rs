@@ -37,7 +37,7 @@ pub struct Dataset {
     /// Delays up to which a sensor's own clock explains, s (see [`Recording::unsure_s`]).
     pub unsure_s: f64,
     /// See [`Self::fundamentals`]; found when they are first asked for.
-    fundamentals: OnceLock<Vec<(f64, f64)>>,
+    fundamentals: OnceLock<Vec<Option<(f64, f64)>>>,
 }
 
 /// Gap that ends a piece: so many seconds, and so many intervals.
@@ -59,9 +59,21 @@ impl Dataset {
 }
 
 impl Dataset {
-    /// Angular frequency at which the drive of each recording repeats, rad/s, and how often it does; none where it does not.
-    pub fn fundamentals(&self) -> &[(f64, f64)] {
-        self.fundamentals.get_or_init(|| self.pieces.iter().filter_map(Piece::fundamental).collect())
+    /// Angular frequency at which the drive of each piece repeats, rad/s, and how often it does; `None` where it does not.
+    fn fundamentals(&self) -> &[Option<(f64, f64)>] {
+        self.fundamentals.get_or_init(|| self.pieces.iter().map(Piece::fundamental).collect())
+    }
+
+    /// Share of the samples in which an angular frequency, rad/s, cannot be told from a harmonic of the drive.
+    pub fn harmonic_of_the_drive(&self, omega: f64) -> f64 {
+        let is_harmonic = |(fundamental, cycles): (f64, f64)| {
+            let order = omega / fundamental;
+            (order - order.round()).abs() < 1.5 / cycles && order.round() >= 1.0
+        };
+        let samples = |piece: &Piece| piece.x.len() as f64;
+        let pieces = self.pieces.iter().zip(self.fundamentals());
+        let harmonic = pieces.filter(|(_, own)| own.is_some_and(is_harmonic)).map(|(piece, _)| samples(piece));
+        harmonic.sum::<f64>() / self.pieces.iter().map(samples).sum::<f64>().max(1.0)
     }
 }
 
