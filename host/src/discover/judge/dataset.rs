@@ -231,3 +231,29 @@ fn noise(pieces: &[Piece]) -> f64 {
     // The third difference of white noise has 20 times its variance.
     (square / 20.0).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 s at 500 Hz from an instant on, driven by a sine and a tenth of a second one, both by their angular frequencies, rad/s.
+    fn driven(from_s: f64, [omega, other]: [f64; 2]) -> Recording {
+        let t: Vec<f64> = (0..5000).map(|k| from_s + 2e-3 * f64::from(k)).collect();
+        let u = t.iter().map(|t| (omega * t).sin() + 0.1 * (other * t).sin()).collect();
+        let x = t.iter().map(|t| (omega * t).cos()).collect();
+        Recording { t, u, x, ..Recording::default() }
+    }
+
+    /// One recording repeats at 6 rad/s, 9.5 times: 12 and 12.5 rad/s cannot be told from its second harmonic, 15 rad/s can. The other,
+    /// of the same length, repeats at 7 rad/s: 12 rad/s is none of its harmonics, 14 rad/s is.
+    #[test]
+    fn a_frequency_may_be_a_harmonic_of_some_recordings() {
+        let recordings = [driven(0.0, [6.0, 6.0]), driven(10.0, [7.0, 7.0])];
+        let dataset = Dataset::new(&recordings, &Settings::default());
+        for (omega, share) in [(12.0, 0.5), (12.5, 0.5), (15.0, 0.0), (14.0, 0.5), (42.0, 1.0)] {
+            assert!((dataset.harmonic_of_the_drive(omega) - share).abs() < 1e-3, "{omega} rad/s");
+        }
+        let alone = Dataset::new(&recordings[..1], &Settings::default());
+        assert!((alone.harmonic_of_the_drive(12.0) - 1.0).abs() < 1e-9);
+    }
+}

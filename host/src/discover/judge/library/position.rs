@@ -106,3 +106,54 @@ impl Library<'_> {
         Term { name, u: columns(&self.predicted), a: columns(&self.arrived), ..friction.clone() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use breakaway_core::plant::Kind;
+
+    use super::super::super::ruling::{Ruling, rule};
+    use super::super::super::settings::Settings;
+    use super::super::super::term::Name;
+    use crate::recording::Recording;
+
+    /// Inertia, Coulomb friction, and waves in a radian of the ripple.
+    const B: f64 = 0.02;
+    const F1: f64 = 0.3;
+    const WAVES: f64 = 7.0;
+
+    /// 12 s at 500 Hz of an axis whose friction and whose torque per drive ripple by these shares, under sines of 1 and .6 V at 1.1 and
+    /// 2.9 Hz.
+    fn ruling([of_friction, of_gain]: [f64; 2]) -> Ruling {
+        let (mut x, mut v) = (0.0, 0.0_f64);
+        let mut recording = Recording::default();
+        for k in 0..6000 {
+            let t = 2e-3 * f64::from(k);
+            let u = (6.9 * t).sin() + 0.6 * (18.3 * t).sin();
+            recording.t.push(t);
+            recording.u.push(u);
+            recording.x.push(x);
+            for _ in 0..20 {
+                let wave = (WAVES * x).sin();
+                let (drive, friction) = (u * (1.0 + of_gain * wave), F1 * (1.0 + of_friction * wave));
+                let free = v + (drive - friction * v.signum() - 0.05 * v) / B * 1e-4;
+                // An axis that turns round rests until the drive is larger than the friction.
+                v = if free * v < 0.0 && drive.abs() <= friction { 0.0 } else { free };
+                x += v * 1e-4;
+            }
+        }
+        rule(&[recording], Some(1.0), &Settings::default()).unwrap()
+    }
+
+    /// A ripple of the friction by half is named. A ripple of the gain by a fifth is not: without its decoy it would be
+    /// friction over position.
+    #[test]
+    fn a_ripple_of_the_gain_is_no_friction() {
+        let friction = ruling([0.5, 0.0]);
+        let names: Vec<Kind> = friction.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert_eq!(names, [Kind::PositionFriction]);
+        let gain = ruling([0.0, 0.2]);
+        let names: Vec<Kind> = gain.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert!(names.is_empty(), "{names:?}");
+        assert!(matches!(gain.remainder.predictable, Some(Name::Decoy(_))), "{:?}", gain.remainder);
+    }
+}
