@@ -3,6 +3,7 @@
 use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
+use super::decide::{NAMING, paired};
 use super::engine::{DiscoverError, Request, assembled, prepared, radians};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
@@ -58,7 +59,7 @@ pub(super) fn found(
     if !ruling.findings.is_empty() {
         ladder.push(rung(data, &fit));
     }
-    if let Some(reason) = contradicted(ruling, &ladder) {
+    if let Some(reason) = contradicted(ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
         remarks.push(reason);
         let doubted = Ruling { findings: Vec::new(), ..ruling.clone() };
         let mut found = self::found(request, units, &doubted, progress)?;
@@ -80,6 +81,16 @@ pub(super) fn found(
         remarks,
     };
     Ok(assembled(request, &start, units, ended, progress))
+}
+
+/// Whether most held-out segments are followed better by `fit` than by `base`. A few that are followed much worse outweigh them in a
+/// mean square, where another effect is missing too.
+fn follows(data: &Data, base: &Fit, fit: &Fit) -> bool {
+    let held_out = data.over(&data.score);
+    let [before, after] = [base, fit].map(|fit| held_out.score(&fit.candidate));
+    let samples = vec![1.0; after.len()];
+    let compared = paired(&before, &after, &samples, data.sigma);
+    compared.delta >= NAMING.delta && compared.z >= NAMING.z
 }
 
 /// Why names that the measured forces bear out are not given all the same: the simulated motion is no better with them. Where a force

@@ -24,7 +24,7 @@ use super::unweighed;
 use super::where_map;
 use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
 use crate::identify::estimate::{self, IdentifyError};
-use crate::recording::{Recording, Units};
+use crate::recording::{Recording, Units, in_session_order};
 
 /// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
 /// effect brings it down to it.
@@ -104,7 +104,8 @@ pub struct Request {
 pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
     let units = same_units(request)?;
-    let (request, age_s) = on_the_sensors_clock(request);
+    let [recordings, holdout] = [&request.recordings, &request.holdout].map(|all| in_session_order(all));
+    let (request, age_s) = on_the_sensors_clock(&Request { recordings, holdout, ..request.clone() });
     let request = &request;
     progress(Progress::Step("judging the measured forces"));
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);

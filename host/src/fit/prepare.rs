@@ -5,7 +5,7 @@ use super::settings::{
     ACCELERATION_S, GAP_INTERVALS, HALF_WIDTH_S, IRREGULAR, LEAST_NOISE, MIN_HALF_SAMPLES, ROUNDING,
 };
 use super::statistics::{median, root_mean_square};
-use crate::recording::Recording;
+use crate::recording::{Recording, share_a_clock};
 
 /// A recording with smoothed position, velocity and acceleration. The smoothed ones serve as starting values and for
 /// the screen; fits use the measured position.
@@ -112,9 +112,13 @@ impl Track {
     }
 }
 
-/// Prepares several recordings on one session clock: those that share a running time axis keep it; where a
-/// recording's clock starts before the previous one's end, it is taken to follow it.
+/// Prepares several recordings on one session clock. Recordings that share a clock keep it. Otherwise, where a recording's
+/// clock starts before the previous one's end, it is taken to follow it.
 pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<Track> {
+    let recordings: Vec<&Recording> = recordings.into_iter().collect();
+    if share_a_clock(recordings.iter().copied()) {
+        return recordings.into_iter().map(Track::new).collect();
+    }
     let mut end = f64::NEG_INFINITY;
     recordings
         .into_iter()

@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 
 use super::settings::Settings;
-use crate::recording::Recording;
+use crate::recording::{Recording, share_a_clock};
 
 /// A stretch of a recording without a gap, on an even clock.
 #[derive(Clone, Debug)]
@@ -47,14 +47,11 @@ const GAP_INTERVALS: f64 = 12.0;
 impl Dataset {
     /// Puts recordings on even clocks.
     pub fn new(recordings: &[Recording], settings: &Settings) -> Self {
-        let starts = recordings.windows(2).all(|pair| {
-            let end = pair[0].t.last().copied().unwrap_or(0.0);
-            pair[1].t.first().is_some_and(|first| *first >= end)
-        });
+        let shared_clock = share_a_clock(recordings);
         let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
         let unsure_s = recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max);
         let fundamentals = OnceLock::new();
-        Self { pieces, recordings: recordings.len(), shared_clock: starts, unsure_s, fundamentals }
+        Self { pieces, recordings: recordings.len(), shared_clock, unsure_s, fundamentals }
     }
 }
 
