@@ -11,12 +11,12 @@ use super::{LINES, Library, effect};
 
 /// Effects of session time.
 pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
-/// Parts of a session at whose ends the inertia may step.
+/// Parts of a session. The inertia may step where one ends and the next begins.
 const INSTANTS: u32 = 24;
 
 impl Library<'_> {
-    /// Whether an angular frequency is a harmonic of the excitation: what repeats with the motion is told from a function of the
-    /// motion by nothing.
+    /// Whether an angular frequency (rad/s) is a harmonic of a periodic drive. A force at such a frequency cannot be
+    /// told from a function of the motion.
     fn harmonic_of_the_drive(&self, omega: f64) -> bool {
         self.form.dataset.fundamentals().iter().any(|(fundamental, cycles)| {
             let order = omega / fundamental;
