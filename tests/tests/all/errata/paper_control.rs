@@ -5,8 +5,9 @@ use super::adaptive::{
     start, step,
 };
 
-/// Errata 27, 28, 29 and row 15's principle: with the corrected laws V only falls (the sum of its increases over V0 is
-/// integration error); with one sign flipped, with |v| for v, or with eq. 31 as printed it rises by more than 1e-2 of V0.
+/// Errata 27, 28, 29 and row 15's principle. With the corrected laws V only falls: the sum of its increases over V0 is
+/// integration error. With one sign flipped, with |v| for v, or with eq. 31 as printed it rises by more than 1e-2 of
+/// V0.
 #[test]
 fn errata_27_to_29_v_falls_for_the_corrected_laws_only() {
     let right = increases(&CORRECT);
