@@ -102,7 +102,7 @@ fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     })
 }
 
-/// Share of the held-out simulation error, over segments or in open loop, below which names must bring it.
+/// Share of the held-out simulation error below which names must bring it, over segments or in open loop.
 const BETTER: f64 = 0.95;
 
 /// The measured forces of a ruling, as the report shows them.
@@ -187,8 +187,8 @@ fn in_whole_waves(candidate: &Candidate, known: usize, rotary: bool) -> Option<C
     whole.filter(|_| rotary).map(|whole| whole.candidate())
 }
 
-/// The first effect that the simulated motion changes beyond recognition. Its main parameter is then below a tenth of
-/// the force fit's, or above ten times it.
+/// The first effect that the simulated motion changes too much. Its main parameter is then below a tenth of the force
+/// fit's, or above ten times it.
 fn lost(candidate: &Candidate, known: usize, ruling: &Ruling) -> Option<&'static str> {
     let own = candidate.effects.iter().skip(known).zip(&ruling.findings);
     let far = |(effect, finding): &(&Effect<f64>, &Finding)| {

@@ -30,7 +30,8 @@ use crate::recording::{Recording, Units};
 /// moves by more than the noise for reasons of its own, and no effect brings the error down to it.
 const ROUGH: f64 = 150.0;
 /// Bounds within which random torque explains the error. The first is the largest held-out simulation error over the
-/// sensor's noise. The second is the least force left in wide windows, over what that noise makes of it.
+/// sensor's noise. The second is the least force left in wide windows, over what that noise makes of it. Nothing may
+/// predict that force.
 const SHAKEN: [f64; 2] = [5.0, 5.0];
 /// Held-out simulation error, over the sensor's noise, up to which nothing but that noise is left.
 const AT_THE_NOISE: f64 = 1.1;
