@@ -1,5 +1,5 @@
-//! The direction of the friction. Where the axis slides it is that of the motion; where the axis rests it is against
-//! the drive.
+//! The direction of the friction in `b·ẍ + c·ẋ + f1·s = u`. Where the axis slides, s is the sign of the motion. Where
+//! the axis rests, friction balances the drive, and s is u/f1.
 
 use super::dataset::Piece;
 use super::regression::Design;
@@ -25,7 +25,7 @@ pub(super) fn sliding(piece: &Piece, most: usize, v95: f64) -> Vec<f64> {
 
 impl WeakForm<'_> {
     /// Friction at rest holds against the drive, up to the Coulomb friction f1. There the direction is u/f1, within ±1.
-    /// It follows from f1 and f1 from it, so that both are found in turn.
+    /// f1 and the direction follow from each other, so that both are found in turn.
     pub(super) fn stick(&mut self, sliding: &Field, settings: &Settings) {
         let weights = vec![1.0; self.rows.len()];
         for _ in 0..STICKING {

@@ -19,8 +19,7 @@ const GRID: usize = 16;
 const SECTIONS: usize = 14;
 
 /// The age at which the drive leaves least of the acceleration, s. `None` where no reading is held, or where the
-/// recordings hold too little motion. Nor is there one where the best age is the longest that the sensor's clock
-/// explains.
+/// recordings hold too little motion. Also `None` where the best age is the longest that the sensor's clock explains.
 pub fn reading_age_s(recordings: &[Recording], settings: &Settings) -> Option<f64> {
     let dataset = Dataset::new(recordings, settings);
     let most = dataset.unsure_s;

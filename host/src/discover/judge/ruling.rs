@@ -23,8 +23,7 @@ pub struct Finding {
     pub held: Vec<usize>,
     /// Whether each recording has its own phase, or its own place of rest.
     pub own_zeros: bool,
-    /// Effects that these recordings do not tell from it. The number is by how many standard deviations it is the
-    /// better one.
+    /// Effects that these recordings do not tell from it. The number is the finding's lead, in standard deviations.
     pub tied: Vec<(Kind, f64)>,
     /// Gain of the side that gains less, nats, and its z over blocks.
     pub gain: f64,
@@ -128,7 +127,8 @@ pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings)
     rule_from(recordings, radians, 0.0, settings)
 }
 
-/// The same in windows of at least this half-width, s. A ruling on the same motion, counted from other zeros, gives it.
+/// The same in windows of at least this half-width, s. It is that of an earlier ruling on the same motion, counted from
+/// other zeros.
 pub fn rule_from(
     recordings: &[Recording],
     radians: Option<f64>,

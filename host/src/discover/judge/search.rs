@@ -79,8 +79,7 @@ pub enum Outcome {
 pub struct Bearing {
     /// Beside the terms that were found before it.
     pub evidence: Evidence,
-    /// Effects that do as well in its place, in the final model. The number is by how many standard deviations it is
-    /// the better one.
+    /// Effects that do as well in its place, in the final model. The number is the term's lead, in standard deviations.
     pub tied: Vec<(Kind, f64)>,
 }
 

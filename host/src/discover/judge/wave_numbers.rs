@@ -142,7 +142,8 @@ pub fn attenuation(turn: f64) -> f64 {
     105.0 * ((15.0 - 6.0 * a * a) * sin - (15.0 * a - a * a * a) * cos) / a.powi(7)
 }
 
-/// Share of a ripple that samples show which are `turn` radians of it apart: 1 where it is sampled well.
+/// Share of a ripple that its samples show, from 0 to 1. The ripple turns by `turn` radians from one sample to the
+/// next.
 pub fn audible(turn: f64) -> f64 {
     1.0 / (1.0 + (1.3 * turn.abs()).powi(8))
 }

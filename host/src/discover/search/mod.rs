@@ -40,11 +40,11 @@ const BEAM: usize = 2;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
 /// Simulated numbers after which a search tries no further effect. A sample counts once for each sub-step; with
-/// derivatives, as many times more as its number is longer. So many take about 20 s of a core. A round of all effects
+/// derivatives, as many times more as its numbers are longer. So many take about 20 s of a core. A round of all effects
 /// takes half.
 const MOST_WORK: u64 = 400_000_000;
-/// Multiple of [`MOST_WORK`] after which effects are not dropped or swapped either. The round before the bound gave
-/// such a model.
+/// Multiple of [`MOST_WORK`] after which effects are not dropped or swapped either. The model is then from the round
+/// before the bound.
 const LAST_WORK: u64 = 2;
 /// Iterations of the model that a search starts from.
 const ITERATIONS: usize = 20;
