@@ -1,9 +1,9 @@
 //! From block phasors to the sine: weighted least squares with closed-form sums.
 //!
-//! About its own centre, a block of L samples sees `y = P·cos ωm + Q·sin ωm + d`. Its sums are `C = Σy·cos wm`, `S =
-//! Σy·sin wm` and `Y = Σy`, with w the oscillator's frequency. Their noise has the covariance σ²G, with `G = [[C2, 0,
-//! D(w)], [0, S2, 0], [D(w), 0, L]]` and `C2, S2 = (L ± D(2w))/2`. D(α) is the Dirichlet sum Σcos αm. The Cholesky
-//! factor of G whitens them into three rows of unit noise for each block:
+//! About its own centre, a block of L samples sees `y = P·cos ωm + Q·sin ωm + d`. Its sums are `C = Σy·cos wm`,
+//! `S = Σy·sin wm` and `Y = Σy`, with w the oscillator's frequency. Their noise has the covariance σ²G, with
+//! `G = [[C2, 0, D(w)], [0, S2, 0], [D(w), 0, L]]` and `C2, S2 = (L ± D(2w))/2`. D(α) is the Dirichlet sum Σcos αm.
+//! The Cholesky factor of G whitens them into three rows of unit noise for each block:
 //!
 //! - `Y/√L               = (D(ω)·P + L·d)/√L`
 //! - `(C − Y·D(w)/L)/√V  = (Kc − D(w)D(ω)/L)·P/√V`,  V = C2 − D(w)²/L; the offset has dropped out
