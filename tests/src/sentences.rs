@@ -91,7 +91,8 @@ pub fn long(page: &str) -> Vec<Long> {
 fn comments(source: &str) -> String {
     let comment = |line: &str| {
         let text = line.trim_start().strip_prefix("//")?;
-        Some(text.strip_prefix(['/', '!']).unwrap_or(text).strip_prefix(' ').unwrap_or_default().to_owned())
+        let text = text.strip_prefix(['/', '!']).unwrap_or(text);
+        Some(text.strip_prefix(' ').unwrap_or(text).to_owned())
     };
     source.lines().map(|line| comment(line).unwrap_or_default() + "\n").collect()
 }

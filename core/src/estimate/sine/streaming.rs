@@ -188,8 +188,9 @@ impl<R: SolverReal> StreamingSine<R> {
     ///
     /// Frequencies from half to twice ω0 are searched, as far as the blocks resolve them.
     ///
-    /// # Errors [`SineError`] refuses too few samples or cycles, values that are not finite, saturated integers, and a
-    /// constant signal. It also refuses a frequency on the edge of the search range, and an ω0 too far off
+    /// # Errors
+    /// [`SineError`] refuses too few samples or cycles, values that are not finite, saturated integers, and a constant
+    /// signal. It also refuses a frequency on the edge of the search range, and an ω0 too far off
     /// ([`SineError::Recentre`], if B < 8·M·|ε|).
     pub fn fit<S: Sample, const B: usize>(&self, sums: &BlockSums<S, B>) -> Result<SineFit<R>, SineError> {
         let length = self.block_length(sums);
