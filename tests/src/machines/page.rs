@@ -145,7 +145,7 @@ fn beside(machine: &Machine, row: &Row) -> String {
     cells.collect::<Vec<_>>().join("; ")
 }
 
-/// What was refused, once, with the rows of which it is true.
+/// Each refusal once, with the rows that it holds for.
 fn notes(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
     let mut notes: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (machine, row, _) in scored.iter().filter(|(_, row, _)| !row.note.is_empty()) {

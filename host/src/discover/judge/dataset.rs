@@ -1,7 +1,8 @@
-//! Recordings, each row with a position of its own, on an even clock: the position at the clock's instants, the drive as the mean over the interval about each.
+//! Recordings on an even clock. Each row must have a position of its own. The position is that of the clock's instant;
+//! the drive is its mean over the interval about the instant.
 //!
-//! The mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2 on an even clock. Without it the hold looks
-//! like half a sample of delay.
+//! On an even clock the mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2. Without it
+//! the hold of the drive looks like half a sample of delay.
 
 use std::sync::OnceLock;
 
@@ -32,15 +33,15 @@ pub struct Dataset {
     pub pieces: Vec<Piece>,
     /// Recordings.
     pub recordings: usize,
-    /// Whether time runs on from each recording to the next, so that effects of session time can be asked for.
+    /// Whether time runs on from each recording to the next. Only then can effects of session time be tried.
     pub shared_clock: bool,
-    /// Delays up to which a sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    /// Longest delay that a sensor's own clock explains, s (see [`Recording::unsure_s`]).
     pub unsure_s: f64,
-    /// See [`Self::fundamentals`]; found when they are first asked for.
+    /// See [`Self::fundamentals`]; found at the first call.
     fundamentals: OnceLock<Vec<Option<(f64, f64)>>>,
 }
 
-/// Gap that ends a piece: so many seconds, and so many intervals.
+/// A gap that ends a piece is longer than both of these: seconds, and intervals of the clock.
 const GAP_S: f64 = 0.05;
 const GAP_INTERVALS: f64 = 12.0;
 
@@ -56,7 +57,8 @@ impl Dataset {
 }
 
 impl Dataset {
-    /// Angular frequency at which the drive of each piece repeats, rad/s, and how often it does; `None` where it does not.
+    /// Angular frequency at which the drive of each piece repeats, rad/s, and the number of its periods; `None` where it
+    /// does not repeat.
     fn fundamentals(&self) -> &[Option<(f64, f64)>] {
         self.fundamentals.get_or_init(|| self.pieces.iter().map(Piece::fundamental).collect())
     }
@@ -75,9 +77,10 @@ impl Dataset {
 }
 
 impl Piece {
-    /// Angular frequency at which the drive repeats, rad/s, and how often it does; `None` where it does not.
+    /// Angular frequency at which the drive repeats, rad/s, and the number of its periods; `None` where it does not
+    /// repeat.
     fn fundamental(&self) -> Option<(f64, f64)> {
-        // A few thousand samples tell a period of a tenth of them.
+        // A few thousand samples are enough to find a period of a tenth of them.
         let thin = (self.u.len() / 3000).max(1);
         let u: Vec<f64> = self.u.iter().step_by(thin).copied().collect();
         let n = u.len();
@@ -105,7 +108,7 @@ impl Piece {
         }
         let (lag, _) = best?;
         let period_s = (lag * thin) as f64 * self.h_s;
-        // The last multiple of the period within the piece tells it best.
+        // The last multiple of the period within the piece gives the period best.
         let most = n / lag - 1;
         let around = (lag * most).saturating_sub(most.min(lag / 4))..=(lag * most + most.min(lag / 4)).min(n - 2);
         let at = around.max_by(|a, b| product(*a).total_cmp(&product(*b)));
@@ -114,7 +117,7 @@ impl Piece {
     }
 }
 
-/// Correlation of the drive with itself a period later from which it counts as periodic.
+/// Least correlation of the drive with itself a period later at which it counts as periodic.
 const REPEATS: f64 = 0.9;
 
 fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Piece> {
@@ -162,7 +165,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Time, position and mean drive on an even clock; `None` where the piece is shorter than a few intervals.
+    /// Time, position and mean drive on an even clock; `None` where the piece holds fewer than eight intervals.
     fn even(&self, tick: f64, average: usize) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let h = tick * average as f64;
         let (first, last) = (*self.t.first()?, *self.t.last()?);
@@ -196,7 +199,7 @@ impl Rows<'_> {
     }
 }
 
-/// Integral from the first instant to each, of a quantity that is held from row to row.
+/// Integral from the first instant to each row. The quantity is held from row to row.
 fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut sum = 0.0;
     let mut sums = vec![0.0];
@@ -207,14 +210,14 @@ fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
     sums
 }
 
-/// The same up to any instant; before the first row and after the last the quantity is that row's.
+/// The same integral up to any instant. Outside of the rows the quantity is that of the first or the last row.
 fn integral_at(t: &[f64], sums: &[f64], part: impl Fn(usize, f64) -> f64, at: f64) -> f64 {
     let k = t.partition_point(|t| *t <= at).saturating_sub(1);
     sums[k] + part(k, at - t[k])
 }
 
-/// Standard deviation of the position's noise from its third differences, which a smooth motion does not reach; outliers are left
-/// out.
+/// Standard deviation of the position's noise from its third differences, which are near zero in a smooth motion.
+/// Outliers are left out.
 fn noise(pieces: &[Piece]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let mut thirds: Vec<f64> = pieces.iter().flat_map(|p| p.x.windows(4).map(third)).collect();

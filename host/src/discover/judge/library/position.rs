@@ -7,21 +7,23 @@ use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, pe
 use super::super::weak_form::{Field, Sample};
 use super::{LINES, Library, effect};
 
-/// Effects for which the spectrum over position is made, and the eccentricity.
+/// Effects for which the spectra over position are made.
 pub(super) const SOUGHT: [Kind; 3] = [Kind::Cogging, Kind::EncoderEccentricity, Kind::PositionFriction];
-/// Share of a ripple that must be left in a window for it to show it, and turns that must be shown: what is not seen twice is no
-/// ripple.
+/// Least share of a ripple that a window must pass to show it, and least turns that must be shown. A ripple that is not
+/// seen twice is none.
 const LEAST_LEFT: f64 = 0.1;
 const LEAST_TURNS: f64 = 2.0;
 
 impl Library<'_> {
-    /// Sine and cosine of k·x with its wave number, see [`Self::waves`]; as loud as the samples show it.
+    /// Sine and cosine of k·x with its wave number, see [`Self::waves`]. They fade where the samples are too far apart
+    /// to show the ripple.
     fn ripple(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let audible_part = |s: Sample, wave: f64| part(s, wave * audible(k * s.v * s.h_s));
         self.waves(kind, k, audible_part).into_iter().map(|term| term.with(1, k)).collect()
     }
 
-    /// The same of one of so many lines, whose wave number was sought: what one recording does not show twice is no ripple of its own.
+    /// The same for a line of a spectrum of so many lines. Each recording has its own phase only where two turns of the
+    /// ripple are seen for each recording.
     fn sought(&self, kind: Kind, (k, of_lines): (f64, f64), part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let mut terms = self.ripple(kind, k, part);
         if self.turns_seen(k) < LEAST_TURNS * self.form.dataset.recordings as f64 {
@@ -30,7 +32,7 @@ impl Library<'_> {
         terms.into_iter().map(|term| Term { chosen_of: of_lines, ..term }).collect()
     }
 
-    /// Sine and cosine of k·x, with one phase, and with one for each recording.
+    /// Sine and cosine of k·x: one term with one phase, and one with a phase for each recording that moves.
     pub(super) fn waves(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let wave = |shift: f64| self.field(|s| part(s, (k * s.x + shift).sin()));
         let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
@@ -49,7 +51,7 @@ impl Library<'_> {
         std::iter::once(both.to_vec()).chain(self.of_each_recording(&both)).map(make).collect()
     }
 
-    /// Turns of a ripple that are seen: places, an eighth of a turn wide, that are passed slowly enough to show it.
+    /// Turns of a ripple that are seen. A turn is eight places; a place counts where the axis passes it slowly enough.
     fn turns_seen(&self, k: f64) -> f64 {
         let form = self.form;
         let mut places = std::collections::BTreeSet::new();
@@ -84,7 +86,8 @@ impl Library<'_> {
         for k in lines.into_iter().filter(seen) {
             let friction = self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave);
             if self.drive_varies() {
-                // Where a relay drives, the drive has the sign of the motion: a motor whose torque per drive ripples looks alike.
+                // A relay's drive has the sign of the motion. So a motor whose torque per drive ripples over position
+                // looks alike.
                 terms.extend(friction.iter().map(|term| self.ripple_of_the_gain(k, term)));
             }
             terms.extend(friction);

@@ -11,9 +11,9 @@ use super::{LINES, Library, effect};
 
 /// Effects of session time.
 pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
-/// Parts of a session at whose ends the inertia may step.
+/// Parts of a session. The inertia may step where one ends and the next begins.
 const INSTANTS: u32 = 24;
-/// Share of the samples in which a periodic force may have a harmonic of the drive: the others must show it.
+/// Largest share of the samples in which a periodic force may be a harmonic of the drive. The others must show it.
 const MOST_HARMONIC: f64 = 0.5;
 
 impl Library<'_> {
