@@ -1,5 +1,7 @@
 //! What the core reads and writes: each access is checked against the register's own rules, then given to its model.
 
+use std::collections::BTreeSet;
+
 use breakaway::device::virtual_board::SimulatedMachine;
 use breakaway_core::link::FULL_SCALE_CODE;
 
@@ -56,6 +58,10 @@ pub struct Bus {
     pub instructions: u64,
     /// Instructions of the present exception that were fetched from flash.
     pub from_flash: u64,
+    /// An exception is under way.
+    pub in_exception: bool,
+    /// Where exceptions have executed code in flash.
+    pub slow_code: BTreeSet<u32>,
     /// What the registers hold.
     pub store: Store,
     /// The flash's settings pages.
@@ -93,6 +99,8 @@ impl Bus {
             stopped: false,
             instructions: 0,
             from_flash: 0,
+            in_exception: false,
+            slow_code: BTreeSet::new(),
             store: Store::new(),
             flash,
             bridge: Bridge::default(),
@@ -286,6 +294,9 @@ impl Around for Bus {
         self.instructions += u64::from(known.instructions);
         if in_flash {
             self.from_flash += u64::from(known.instructions);
+            if self.in_exception {
+                self.slow_code.insert(address);
+            }
         }
         false
     }

@@ -1,5 +1,6 @@
 //! The image on the emulated board: exceptions, resets, the passing of time.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use breakaway::device::virtual_board::{Machine as Axis, SimulatedMachine};
@@ -141,8 +142,9 @@ impl Machine {
 
     /// The core starts from its vectors.
     fn start(&mut self, flags: u32) {
-        self.bus().reset(flags);
         self.active.clear();
+        self.bus().in_exception = false;
+        self.bus().reset(flags);
         let cpu = self.processor.cpu;
         for register in 0..=12 {
             cpu.set(Register::R0, register, 0xdead_0000 | register as u32);
@@ -243,8 +245,18 @@ impl Machine {
     /// Where the program is: the address, and the function that is there.
     pub fn place(&self) -> (u32, String) {
         let pc = self.processor.cpu.get(Register::Pc, 0);
-        let before = self.symbols.partition_point(|(address, _)| *address <= pc);
-        (pc, before.checked_sub(1).map_or("?", |i| self.symbols[i].1.as_str()).to_owned())
+        (pc, self.function(pc))
+    }
+
+    fn function(&self, address: u32) -> String {
+        let before = self.symbols.partition_point(|(start, _)| *start <= address);
+        before.checked_sub(1).map_or("?", |i| self.symbols[i].1.as_str()).to_owned()
+    }
+
+    /// Functions in flash that exceptions have executed, sorted.
+    pub fn slow_functions(&mut self) -> BTreeSet<String> {
+        let places = self.bus().slow_code.clone();
+        places.into_iter().map(|address| self.function(address)).collect()
     }
 
     /// Enters what is pending, if it may.
@@ -287,6 +299,7 @@ impl Machine {
         cpu.set(Register::Sp, 0, frame);
         cpu.set(Register::Pc, 0, cpu.word(vectors + 4 * number).unwrap_or(0) & !1);
         self.active.push(number);
+        self.bus().in_exception = true;
         self.bus().time += ENTRY;
     }
 
@@ -306,8 +319,11 @@ impl Machine {
         cpu.set(Register::Xpsr, 0, words[7] & !MOVED | THUMB);
         cpu.set(Register::Sp, 0, frame + 4 * FRAME + if words[7] & MOVED == 0 { 0 } else { 4 });
         cpu.set(Register::Pc, 0, words[6]);
-        self.bus().time += EXIT;
-        if self.active.pop() == Some(TICK) {
+        let ended = self.active.pop();
+        let bus = self.processor.around();
+        bus.time += EXIT;
+        bus.in_exception = !self.active.is_empty();
+        if ended == Some(TICK) {
             let began = self.began;
             let bus = self.bus();
             let cost = TickCost {
