@@ -1,6 +1,6 @@
-//! Routines that the compiler calls, in 250 bytes in place of compiler-builtins' 4.4 KB, which are built for speed
+//! Routines that the compiler calls, in 290 bytes in place of compiler-builtins' 4.4 KB, which are built for speed
 //! whatever the image is built for. They are `memcpy` and its like without unrolled loops (the longest copy in a tick
-//! has some hundred bytes), and the division of 64-bit integers bit by bit (reports of faults, settings; 600
+//! has some hundred bytes, and goes by eight words), and the division of 64-bit integers bit by bit (reports of faults, settings; 600
 //! instructions).
 //!
 //! In assembly, as a loop in Rust that copies becomes a call of `memcpy`. ARMv7-M reads and writes words at any address.
@@ -34,7 +34,20 @@ core::arch::global_asm!(
     "define __aeabi_memcpy4",
     "define __aeabi_memcpy8",
     "4: mov r12, r0",
-    "subs r2, #4",
+    // Eight words at a time, where both are aligned as LDM asks: a plan of 400 bytes is copied in a tick.
+    "orr r3, r0, r1",
+    "lsls r3, r3, #30",
+    "bne 9f",
+    "subs r2, #32",
+    "blo 3f",
+    "push {{r4, r5, r6, r7, r8, r9, r10}}",
+    "2: ldmia r1!, {{r3, r4, r5, r6, r7, r8, r9, r10}}",
+    "stmia r12!, {{r3, r4, r5, r6, r7, r8, r9, r10}}",
+    "subs r2, #32",
+    "bhs 2b",
+    "pop {{r4, r5, r6, r7, r8, r9, r10}}",
+    "3: adds r2, #32",
+    "9: subs r2, #4",
     "blo 6f",
     "5: ldr r3, [r1], #4",
     "str r3, [r12], #4",

@@ -222,8 +222,8 @@ impl Leg {
     fn reference(&self, at: u32) -> bool {
         let period = 2 * self.half_period;
         let at = at % period;
-        let count = if at < self.half_period { at } else { period - at };
-        count < self.compare
+        // Counting up it is on below the compare value; counting down, from there on (RM0440, PWM mode 1).
+        if at < self.half_period { at < self.compare } else { period - at <= self.compare }
     }
 
     /// High side and low side at a clock.

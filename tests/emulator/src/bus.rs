@@ -87,6 +87,8 @@ pub struct Bus {
     /// The first rule that was broken.
     pub broken: Option<Broken>,
     stepped_at: u64,
+    /// What follows the last block where its branch is not taken, and the cycles less that it then takes.
+    falls_to: (u32, u32),
     costs: Vec<Cost>,
 }
 
@@ -114,6 +116,7 @@ impl Bus {
             transition_error: false,
             broken: None,
             stepped_at: 0,
+            falls_to: (0, 0),
             costs: vec![Cost::default(); HALVES as usize],
         }
     }
@@ -193,7 +196,7 @@ impl Bus {
         }
     }
 
-    fn load(&mut self, cpu: Cpu, address: u32, bytes: u32) -> Result<u32, Broken> {
+    pub(crate) fn load(&mut self, cpu: Cpu, address: u32, bytes: u32) -> Result<u32, Broken> {
         self.time += u64::from(BRIDGE_WAIT);
         if PAGES.contains(&address) {
             let fetched = self.flash.fetch(address, bytes, self.time, &mut self.store);
@@ -226,7 +229,7 @@ impl Bus {
         })
     }
 
-    fn save(&mut self, cpu: Cpu, address: u32, bytes: u32, value: u32) -> Result<(), Broken> {
+    pub(crate) fn save(&mut self, cpu: Cpu, address: u32, bytes: u32, value: u32) -> Result<(), Broken> {
         self.time += u64::from(BRIDGE_WAIT);
         if PAGES.contains(&address) {
             let programmed = self.flash.program(address, bytes, value, self.time, &self.store);
@@ -290,6 +293,10 @@ impl Around for Bus {
             cpu.read(address, &mut code);
             *known = cost(address, &code, in_flash);
         }
+        if address == self.falls_to.0 {
+            self.time -= u64::from(self.falls_to.1);
+        }
+        self.falls_to = (address + bytes, known.not_taken);
         self.time += u64::from(known.cycles);
         self.instructions += u64::from(known.instructions);
         if in_flash {

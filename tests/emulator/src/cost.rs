@@ -1,7 +1,7 @@
 //! What a block of Thumb instructions costs: how many there are, and an estimate of the cycles from above.
 //!
 //! Cycles are those of the Cortex-M4's reference manual (instruction set summary), with the larger number where it gives
-//! two: a division takes 12, and each branch is taken and refills the pipeline in 2. Code in flash waits 4 states
+//! two: a division takes 12, and a branch that is taken refills the pipeline in 2. Code in flash waits 4 states
 //! (170 MHz, RM0440) for each 8 bytes, as if there were neither cache nor prefetch. Code in CCM SRAM does not wait.
 
 /// Wait states of the flash at 170 MHz (RM0440, number of wait states, range 1 boost).
@@ -14,6 +14,8 @@ pub const EXCEPTION: u32 = 12 + 12 + 17;
 const LINE: u32 = 8;
 /// Refilling the pipeline after a branch.
 const REFILL: u32 = 2;
+/// A store with a constant offset: the store buffer takes it.
+const STORE: u32 = 1;
 const DIVISION: u32 = 12;
 /// Division and root of the floating-point unit.
 const LONG: u32 = 14;
@@ -25,8 +27,10 @@ pub struct Cost {
     pub bytes: u32,
     /// Instructions.
     pub instructions: u32,
-    /// Cycles, with the waits for its code.
+    /// Cycles, with the waits for its code, and with its last branch taken.
     pub cycles: u32,
+    /// Cycles less where its last branch is not taken.
+    pub not_taken: u32,
 }
 
 /// The cost of the block `code` at `address`.
@@ -36,7 +40,15 @@ pub fn cost(address: u32, code: &[u8], in_flash: bool) -> Cost {
     let mut cost = Cost { bytes: code.len() as u32, ..Cost::default() };
     while let Some(first) = halves.next() {
         cost.instructions += 1;
-        cost.cycles += if first >> 11 >= 0b11101 { wide(first, halves.next().unwrap_or(0)) } else { narrow(first) };
+        let wide_one = first >> 11 >= 0b11101;
+        // The conditional branches: B in both widths (whose condition is not 111x), CBZ, CBNZ.
+        let conditional = matches!(first, 0xd000..=0xddff) || first & 0xf500 == 0xb100 && first & 0xf000 == 0xb000;
+        let conditional = conditional
+            || first & 0xf800 == 0xf000
+                && first & 0x0380 != 0x0380
+                && halves.clone().next().is_some_and(|second| second & 0xd000 == 0x8000);
+        cost.not_taken = if conditional { REFILL } else { 0 };
+        cost.cycles += if wide_one { wide(first, halves.next().unwrap_or(0)) } else { narrow(first) };
     }
     if in_flash && !code.is_empty() {
         let lines = (address + cost.bytes - 1) / LINE - address / LINE + 1;
@@ -49,6 +61,8 @@ fn narrow(code: u16) -> u32 {
     let listed = (code & 0x1ff).count_ones();
     match code {
         0x4700..=0x47ff | 0xd000..=0xddff | 0xe000..=0xe7ff => 1 + REFILL,
+        // A store with a constant offset; then loads, and stores with a register's.
+        0x6000..=0x67ff | 0x7000..=0x77ff | 0x8000..=0x87ff | 0x9000..=0x97ff => STORE,
         0x4800..=0x9fff => 2,
         0xb400..=0xb5ff => 1 + listed,
         0xbc00..=0xbdff => 1 + listed + if code & 0x100 == 0 { 0 } else { REFILL },
@@ -65,6 +79,7 @@ fn wide(first: u16, second: u16) -> u32 {
         0xe8d0..=0xe8df if second & 0xffe0 == 0xf000 => 3 + REFILL,
         0xe800..=0xe9ff if first & 0x40 != 0 => 3,
         0xe800..=0xe9ff => 1 + second.count_ones() + if first & 0x10 != 0 && second & 0x8000 != 0 { REFILL } else { 0 },
+        0xf880..=0xf88f | 0xf8a0..=0xf8af | 0xf8c0..=0xf8cf => STORE,
         0xf800..=0xf9ff => 2 + to_pc,
         0xfb90..=0xfb9f | 0xfbb0..=0xfbbf => DIVISION,
         0xec40..=0xec5f => 2,
@@ -105,6 +120,13 @@ mod tests {
         assert_eq!(of(&[0xee30, 0x0a20, 0xee80, 0x0a20, 0xeeb1, 0x0ac0, 0xeea0, 0x0a81]), (4, 1 + 14 + 14 + 3));
         // ldmia r1!, {r3, r4}; bne.
         assert_eq!(of(&[0xc918, 0xd1fd]), (2, 3 + 3));
+        let not_taken = |halves: &[u16]| {
+            let code: Vec<u8> = halves.iter().flat_map(|half| half.to_le_bytes()).collect();
+            cost(0x1000_0000, &code, false).not_taken
+        };
+        // bne; cbz; bne.w; b; bx lr; bl.
+        assert_eq!([not_taken(&[0xd1fd]), not_taken(&[0xb120]), not_taken(&[0xf47f, 0xaffe])], [REFILL; 3]);
+        assert_eq!([not_taken(&[0xe7fd]), not_taken(&[0x4770]), not_taken(&[0xf000, 0xf800])], [0; 3]);
         // bl; ldrd r0, r1, [r2]; ldmia.w r0!, {r4-r7}.
         assert_eq!(of(&[0xf000, 0xf800, 0xe9d2, 0x0100, 0xe8b0, 0x00f0]), (3, 3 + 3 + 5));
     }

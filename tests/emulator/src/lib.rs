@@ -3,6 +3,7 @@
 //! The models are strict. A peripheral without its clock, a reserved bit, a wrong order: the run ends with the register, the rule
 //! and the program counter. The plant is driven by TIM1's compare registers and is read by TIM2.
 
+pub mod accident;
 pub mod bench;
 pub mod bridge;
 pub mod bus;

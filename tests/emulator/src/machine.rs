@@ -7,7 +7,7 @@ use breakaway::device::virtual_board::{Machine as Axis, SimulatedMachine};
 use object::{Object as _, ObjectSegment as _, ObjectSymbol as _};
 
 use crate::bus::{Broken, Bus};
-use crate::core::{Core, HARD_FAULT, NMI, TICK};
+use crate::core::{Core, TICK};
 use crate::cost::EXCEPTION;
 use crate::flash::{Cells, Flash, PAGES};
 use crate::rcc::{PIN_RESET, POWER_RESET, SOFTWARE_RESET, WATCHDOG_RESET};
@@ -160,6 +160,30 @@ impl Machine {
     pub fn reset(&mut self) {
         self.resets += 1;
         self.start(PIN_RESET);
+    }
+
+    /// A write as if the program made it here.
+    ///
+    /// # Errors
+    /// The rule that it breaks.
+    pub fn poke(&mut self, address: u32, bytes: u32, value: u32) -> Result<(), Broken> {
+        let cpu = self.processor.cpu;
+        self.bus().save(cpu, address, bytes, value)?;
+        self.bus().broken.take().map_or(Ok(()), Err)
+    }
+
+    /// Changes memory, as a stray pointer would.
+    pub fn write_memory(&mut self, address: u32, bytes: &[u8]) {
+        self.processor.cpu.write(address, bytes);
+    }
+
+    /// A read as if the program made it here.
+    ///
+    /// # Errors
+    /// The rule that it breaks.
+    pub fn peek(&mut self, address: u32, bytes: u32) -> Result<u32, Broken> {
+        let cpu = self.processor.cpu;
+        self.bus().load(cpu, address, bytes)
     }
 
     /// Runs until this time, cycles since power-on.
@@ -334,16 +358,6 @@ impl Machine {
             };
             self.ticks.push(cost);
         }
-    }
-
-    /// An exception that cannot be masked: the non-maskable interrupt, or a hard fault.
-    pub fn hard_fault(&mut self) {
-        self.bus().core.urgent = Some(HARD_FAULT);
-    }
-
-    /// See [`Machine::hard_fault`].
-    pub fn non_maskable(&mut self) {
-        self.bus().core.urgent = Some(NMI);
     }
 }
 

@@ -12,5 +12,10 @@ macro_rules! needs_unicorn {
 }
 
 mod boot;
+mod cost;
+mod faults;
+mod flash;
 mod identify;
 mod machine;
+mod resets;
+mod rules;
