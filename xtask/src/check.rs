@@ -71,7 +71,7 @@ fn steps(report: &mut Report) -> Result<()> {
         }
         _ => true,
     };
-    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), false))?;
+    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), emulated, false))?;
     report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some(), emulated)))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
