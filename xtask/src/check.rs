@@ -2,10 +2,11 @@
 
 use std::process::{Command, ExitCode};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use crate::budget;
 use crate::cross::{self, Toolchain};
+use crate::emulator;
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
@@ -54,8 +55,24 @@ fn steps(report: &mut Report) -> Result<()> {
     if let Some(error) = missing {
         report.not_run(format!("the tests of the virtual board, and the instructions per tick: {error:#}"));
     }
-    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), false))?;
-    report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some())))?;
+    let mut emulated = None;
+    report.check("image of the board, and Unicorn", || {
+        emulator::image(toolchain)?;
+        emulated = Some(emulator::library());
+        match &emulated {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    let emulated = match emulated {
+        Some(Err(error)) => {
+            report.not_run(format!("the tests on the board's registers: {error:#}"));
+            false
+        }
+        _ => true,
+    };
+    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), emulated, false))?;
+    report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some(), emulated)))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
     })?;
@@ -66,8 +83,8 @@ fn steps(report: &mut Report) -> Result<()> {
 }
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
-/// tests of the virtual board look for a QEMU themselves.
-fn host_tests(qemu: bool) -> Command {
+/// tests of the virtual board look for a QEMU themselves, and those on the registers for a Unicorn.
+fn host_tests(qemu: bool, emulated: bool) -> Command {
     // Of the examples and benches clippy has seen that they compile.
     let targets = ["--workspace", "--all-features", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {
@@ -78,8 +95,10 @@ fn host_tests(qemu: bool) -> Command {
     let mut command = cargo(["nextest", "run"]);
     // What passed is counted and its time read, not shown.
     command.args(targets).args(["--status-level", "pass", "--color", "never"]);
-    if !qemu {
-        command.args(["--filterset", "not binary(virtual_board)"]);
+    let left_out = [(qemu, "virtual_board"), (emulated, "emulator")].into_iter().filter(|(there, _)| !there);
+    let left_out: Vec<String> = left_out.map(|(_, program)| format!("not binary({program})")).collect();
+    if !left_out.is_empty() {
+        command.args(["--filterset", &left_out.join(" and ")]);
     }
     command
 }

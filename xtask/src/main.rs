@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
 //! `machines`, `loops`, `soak`, `fleet-test`.
 
 mod arrows;
@@ -7,6 +7,7 @@ mod budget;
 mod check;
 mod cross;
 mod debian;
+mod emulator;
 mod fleet;
 mod fuzz;
 mod image;
@@ -34,6 +35,8 @@ enum Task {
     Setup,
     /// Build the virtual board's firmware, for `breakaway virtual-board`, and fetch QEMU if it is missing
     Image,
+    /// Run the NUCLEO-G474RE's image on models of its registers, and fetch Unicorn, which executes it, if it is missing
+    Emulator,
     /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
     #[command(alias = "size")]
     Budget {
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
     let result = match Task::parse() {
         Task::Test => return check::all(),
         Task::Setup => setup::all(),
+        Task::Emulator => emulator::all(),
         Task::Image => image::all(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),

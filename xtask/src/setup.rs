@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use crate::cross::{self, Toolchain};
+use crate::emulator;
 use crate::qemu;
 use crate::run::{cargo, run_within, succeeds};
 
@@ -13,6 +14,7 @@ use crate::run::{cargo, run_within, succeeds};
 pub fn all() -> Result<()> {
     components()?;
     let qemu = qemu::program()?;
+    emulator::library()?;
     let whose = match cross::install()? {
         Toolchain::Active => "the active",
         Toolchain::Debian => "Debian's",

@@ -44,6 +44,8 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         if self.fault.is_none() {
             return Ok(());
         }
+        // What has tripped since it was last asked for is forgotten: what lasts is told again.
+        let _ = self.board.protection().tripped();
         // A fault that would come back at once is not cleared.
         if self.last_count.is_none() || self.board.protection().tripped().is_some() {
             return Err(CommandError::FaultPersists);

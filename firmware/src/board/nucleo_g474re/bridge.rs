@@ -19,6 +19,9 @@ use super::constants::{
 };
 use crate::board::{Limits, SignMagnitude, Trip};
 
+/// The bits of TIM1_SR that are flags (RM0440).
+const FLAGS: u32 = 0x00f3_3fff;
+
 /// The power stage.
 pub type Bridge = SignMagnitude<Magnitude, Direction, Enable>;
 
@@ -93,9 +96,10 @@ pub fn take_break() -> Option<Trip> {
     let flags = pac::TIM1.sr().read();
     let (pin, system) = (flags.bif(0), flags.sbif());
     if pin || system {
-        // All flags but these keep their value when 1 is written. One is set again at once while its cause lasts.
+        // All flags but these keep their value when 1 is written; what is no flag takes 0. One is set again at once while its
+        // cause lasts.
         pac::TIM1.sr().write(|flags| {
-            flags.0 = u32::MAX;
+            flags.0 = FLAGS;
             flags.set_bif(0, false);
             flags.set_sbif(false);
         });

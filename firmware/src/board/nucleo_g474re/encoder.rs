@@ -10,6 +10,9 @@ use crate::board::Encoder;
 /// of the registers does not name it.
 const TRANSITION_ERROR: u32 = 1 << 23;
 
+/// The bits of TIM2_SR that are flags (RM0440).
+const FLAGS: u32 = 0x00f0_1e5f;
+
 /// Both channels have changed at once: a count was lost or added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TransitionError;
@@ -39,8 +42,8 @@ impl Encoder for Quadrature {
 
     fn count(&mut self) -> Result<i32, TransitionError> {
         if pac::TIM2.sr().read().0 & TRANSITION_ERROR != 0 {
-            // Flags written as 1 keep their value.
-            pac::TIM2.sr().write(|flags| flags.0 = !TRANSITION_ERROR);
+            // Flags written as 1 keep their value; what is no flag takes 0.
+            pac::TIM2.sr().write(|flags| flags.0 = FLAGS & !TRANSITION_ERROR);
             return Err(TransitionError);
         }
         Ok(pac::TIM2.cnt().read().cast_signed())

@@ -1,6 +1,7 @@
 //! NUCLEO-G474RE with a full bridge and a quadrature encoder: docs/board-nucleo-g474re.md.
 
 mod bridge;
+mod ccm;
 mod clock;
 pub mod constants;
 mod encoder;

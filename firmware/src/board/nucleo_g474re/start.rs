@@ -4,11 +4,13 @@ use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pin, Pull, Sp
 use embassy_stm32::rcc::{Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peri, pac};
+use pac::flash::vals::Latency;
+use pac::rcc::vals::Hpre;
 
 use super::Nucleo;
 use super::bridge::bridge;
 use super::clock::Microseconds;
-use super::constants::{CRYSTAL_HZ, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
+use super::constants::{CORE_HZ, CRYSTAL_HZ, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::{Guard, system_breaks};
@@ -33,7 +35,9 @@ pub struct Parts {
 /// # Panics
 /// On a second call; or if the constants ask of the hardware what it cannot do.
 pub fn start() -> Parts {
+    boost();
     let p = embassy_stm32::init(config());
+    full_speed();
     // A core halted by the debugger must not leave the motor driven. The timer stops and takes its outputs off
     // (RM0440, debug mode of the advanced timers). And the watchdog must not bark at a breakpoint.
     pac::DBGMCU.apb2fzr().modify(|freeze| freeze.set_tim1(true));
@@ -76,6 +80,28 @@ pub fn start() -> Parts {
     }
 }
 
+/// The core's voltage for more than 150 MHz, before the clock is (RM0440, PWR, range 1 boost mode). The HAL's `boost` alone does
+/// not do it: its crate of the registers has R1MODE at bit 0, and it is bit 8.
+fn boost() {
+    const R1_MODE: u32 = 1 << 8;
+    pac::RCC.apb1enr1().modify(|clocks| clocks.set_pwren(true));
+    // Two clocks must pass before the first access.
+    pac::RCC.apb1enr1().read();
+    pac::PWR.cr5().modify(|range| range.0 &= !R1_MODE);
+}
+
+/// From half of [`CORE_HZ`], at which the HAL leaves the core, to all of it. A jump above 80 MHz in one step would dip the core's
+/// voltage: a microsecond at half of it comes first (RM0440, RCC, system clock selection). Prefetch is on from here.
+fn full_speed() {
+    pac::FLASH.acr().modify(|access| {
+        access.set_latency(Latency::WS4);
+        access.set_prften(true);
+    });
+    while pac::FLASH.acr().read().latency() != Latency::WS4 {}
+    cortex_m::asm::delay(CORE_HZ / 1_000_000);
+    pac::RCC.cfgr().modify(|clocks| clocks.set_hpre(Hpre::DIV1));
+}
+
 /// Clocks of the peripherals that are driven on their registers. All are as a reset leaves them.
 fn clocks() {
     pac::RCC.apb1enr1().modify(|clocks| {
@@ -100,7 +126,7 @@ fn function(pin: Peri<'static, impl Pin>, number: u8, kind: AfType) {
     core::mem::forget(pin);
 }
 
-/// 170 MHz from the crystal. Where the crystal does not start, nothing starts: LD2 stays dark and the link silent.
+/// Half of 170 MHz from the crystal. Where the crystal does not start, nothing starts: LD2 stays dark and the link silent.
 fn config() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(CRYSTAL_HZ), mode: HseMode::Oscillator });
@@ -113,7 +139,8 @@ fn config() -> Config {
         divr: Some(PllRDiv::DIV2),
     });
     config.rcc.sys = Sysclk::PLL1_R;
-    // Above 150 MHz (RM0440, voltage scaling).
     config.rcc.boost = true;
+    // Until `full_speed`.
+    config.rcc.ahb_pre = Hpre::DIV2;
     config
 }
