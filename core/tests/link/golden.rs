@@ -47,7 +47,11 @@ fn vectors() -> String {
     text.push_str("# Every value of the enumerations that stand alone.\n");
     all(&mut text, "mode", &[Mode::Idle, Mode::Relay, Mode::Drive, Mode::Track, Mode::Hold, Mode::Fault]);
     all(&mut text, "shape", &[Shape::Still, Shape::Sine, Shape::Triangle, Shape::Ramp, Shape::Table]);
-    all(&mut text, "limit", &[Limit::Travel, Limit::Bound, Limit::Speed, Limit::Current, Limit::MeanDrive, Limit::SetPoints]);
+    all(
+        &mut text,
+        "limit",
+        &[Limit::Travel, Limit::Bound, Limit::Speed, Limit::Current, Limit::MeanDrive, Limit::SetPoints],
+    );
     all(&mut text, "unit", &PositionUnit::ALL);
     all(&mut text, "unit", &DriveUnit::ALL);
     all(&mut text, "cause", &FaultCause::ALL);

@@ -216,16 +216,20 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         let Some(run) = &mut self.run else {
             return count;
         };
-        let over = run.mode == Mode::Track && self.controller.finished();
-        if over || run.max_ticks != 0 && run.ticks >= run.max_ticks {
-            self.end(Ending::TimeUp);
+        let ending = match run.mode {
+            Mode::Track => self.controller.ending(),
+            _ => None,
+        };
+        let time_up = run.max_ticks != 0 && run.ticks >= run.max_ticks;
+        if let Some(ending) = ending.or_else(|| time_up.then_some(Ending::TimeUp)) {
+            self.end(ending);
             return count;
         }
         run.ticks = run.ticks.saturating_add(1);
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control => self.controller.tick(distance),
+            Source::Control => self.controller.tick(distance, &mut self.channels.set_points),
         };
         let limit = i32::from(run.watch.limits().drive_code);
         let start = run.start;
