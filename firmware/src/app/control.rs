@@ -21,8 +21,8 @@ pub trait PositionController {
     /// Starts a run at distance 0, which is at this `count`.
     fn start(&mut self, plan: &Self::Plan, count: i32);
 
-    /// One tick, so many counts from the start: the drive in drive codes and the reference in counts from the start; `None` if a
-    /// number is no longer finite. What the drive may be is in the plan: it is applied as it is.
+    /// One tick, so many counts from the start: the drive in drive codes and the reference in counts from the start; `None` if the
+    /// trajectory is over ([`Self::ending`]), or a number is no longer finite. What the drive may be is in the plan: it is applied as it is.
     fn tick(
         &mut self,
         distance: i32,
@@ -32,8 +32,10 @@ pub trait PositionController {
     /// Ticks of this run in which it asked for more drive than its limit.
     fn saturated(&self) -> u32;
 
-    /// How the run ends, where the trajectory is at its end.
-    fn ending(&self) -> Option<Ending>;
+    /// How the run ends, after a tick without a drive; `None` where a number was not finite.
+    fn ending(&self) -> Option<Ending> {
+        None
+    }
 }
 
 /// No controller: [`PositionController::Plan`] has no value, so no such run can be ordered.
@@ -57,9 +59,5 @@ impl PositionController for NoController {
 
     fn saturated(&self) -> u32 {
         0
-    }
-
-    fn ending(&self) -> Option<Ending> {
-        Some(Ending::TimeUp)
     }
 }

@@ -53,13 +53,18 @@ impl<R: Fast> Follower<R> {
         Self { piece: None, k: 0, from, flowing: false, held: 0, waited: 0, ending: None }
     }
 
-    /// The reference of this tick.
-    pub(super) fn tick(&mut self, rules: FollowRules, points: &mut SetPointOutlet<'_, Knot<R>>) -> Setpoint<R> {
+    /// The reference of this tick; `None` after the end.
+    // Its call is nothing beside it, and it stays out of the ticks of other references.
+    #[inline(never)]
+    pub(super) fn tick(&mut self, rules: FollowRules, points: &mut SetPointOutlet<'_, Knot<R>>) -> Option<Setpoint<R>> {
+        if self.ending.is_some() {
+            return None;
+        }
         if let Some((cubic, knot)) = &self.piece {
             self.k += 1;
             if self.k < knot.ticks {
                 // At most 2²⁴.
-                return cubic.at(R::from_i32(self.k as i32) * knot.per_ticks);
+                return Some(cubic.at(R::from_i32(self.k as i32) * knot.per_ticks));
             }
             self.from = knot.to;
             self.piece = None;
@@ -71,14 +76,14 @@ impl<R: Fast> Follower<R> {
         {
             let cubic = Cubic::new(self.from, knot.to, knot.duration_s, knot.per_s);
             (self.piece, self.k, self.flowing) = (Some((cubic, knot)), 0, true);
-            return cubic.at(R::ZERO);
+            return Some(cubic.at(R::ZERO));
         }
         if complete {
             self.ending = Some(Ending::TimeUp);
         } else {
             self.rest(rules, points);
         }
-        Setpoint { x: self.from[0], v: R::ZERO, a: R::ZERO }
+        Some(Setpoint { x: self.from[0], v: R::ZERO, a: R::ZERO })
     }
 
     /// There is no set-point: the reference stands still, and for how long is counted.

@@ -128,7 +128,7 @@ impl<R: Fast> PositionController for TrackController<R> {
     fn tick(&mut self, distance: i32, points: &mut SetPointOutlet<'_, Knot<R>>) -> Option<(i32, i32)> {
         let Running { plan, state, origin, follower, k, saturated } = self.running.as_mut()?;
         let reference = match plan.path {
-            Path::Follow(rules) => follower.tick(rules, points),
+            Path::Follow(rules) => follower.tick(rules, points)?,
             ref path => path.at(*k),
         };
         *k = k.saturating_add(1);

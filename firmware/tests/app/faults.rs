@@ -379,10 +379,6 @@ impl PositionController for Lost {
     fn saturated(&self) -> u32 {
         0
     }
-
-    fn ending(&self) -> Option<Ending> {
-        None
-    }
 }
 
 #[test]
