@@ -84,7 +84,9 @@ pub fn run(args: &Args, source: &Path, port: &str, output: Output) -> anyhow::Re
     let recording = args.output.as_ref().map(|folder| folder.join(RECORDING));
     if let (Some(folder), Some(file)) = (&args.output, &recording) {
         output.folder(folder, "a folder")?;
-        output.may_write(file, FileKind::Recording, &[&args.model, source])?;
+        if file.exists() {
+            output.may_write(file, FileKind::Recording, &[&args.model, source])?;
+        }
     }
     if args.monitor.monitor && source.as_os_str() == "-" {
         let text = "--monitor reads keys from standard input, as --follow - does its set-points: watch with `breakaway \

@@ -72,7 +72,7 @@ struct Feed<'a> {
     complete: bool,
     /// The board has taken all.
     done: bool,
-    heard: Instant,
+    read_at: Instant,
     asked: Instant,
     state: Following,
 }
@@ -83,7 +83,7 @@ impl Feed<'_> {
         while self.waiting.len() < WAITING && !self.complete {
             let made = match self.source.points.try_recv() {
                 Ok(point) => {
-                    self.heard = Instant::now();
+                    self.read_at = Instant::now();
                     self.schedule.push(point?)?
                 }
                 Err(TryRecvError::Disconnected) => {
@@ -92,7 +92,7 @@ impl Feed<'_> {
                 }
                 Err(TryRecvError::Empty) => {
                     let wait = self.schedule.interval_s().map(|s| Duration::from_secs_f64(s).max(LEAST_WAIT));
-                    if !wait.is_some_and(|wait| self.heard.elapsed() > wait) {
+                    if !wait.is_some_and(|wait| self.read_at.elapsed() > wait) {
                         return Ok(());
                     }
                     // The next line is late: the axis comes to rest here.
@@ -101,6 +101,8 @@ impl Feed<'_> {
             };
             self.waiting.extend(made);
         }
+        // It was not looked for: what waits in the pipe is not late.
+        self.read_at = Instant::now();
         Ok(())
     }
 
@@ -120,13 +122,20 @@ impl Feed<'_> {
         sent
     }
 
+    /// Takes what the board says of itself, also late: numbers only rise.
+    fn heard(&mut self, now: Following) {
+        let taken = now.next.saturating_sub(self.state.next) as usize;
+        if now.next >= self.state.next {
+            self.waiting.drain(..taken.min(self.waiting.len()));
+            self.state = now;
+        }
+    }
+
     /// Takes the answer to `sent`.
     fn taken(&mut self, sent: &SetPoints, now: Following) {
-        let taken = now.next.wrapping_sub(self.state.next) as usize;
-        self.waiting.drain(..taken.min(self.waiting.len()));
+        self.heard(now);
         // A board that does not know its start yet has no room, and does not take the last flag either.
         self.done = sent.last && self.waiting.is_empty() && (now.next > 0 || now.room > 0);
-        self.state = now;
     }
 }
 
@@ -195,7 +204,7 @@ impl Runner {
         let schedule = Schedule::new(&source.name, self.scale.tick_hz);
         let (waiting, state) = (VecDeque::new(), Following::default());
         let (complete, done) = (false, false);
-        let mut feed = Feed { source, schedule, waiting, complete, done, heard: now, asked: now, state };
+        let mut feed = Feed { source, schedule, waiting, complete, done, read_at: now, asked: now, state };
         let (mut stream, mut heard, mut ended_at, mut fault) = (Stream::default(), now, None, None);
         loop {
             if interrupt.requested() {
@@ -218,6 +227,7 @@ impl Runner {
                 return Err(DeviceError::Silent { port, command: "status", seconds }.into());
             }
             match message {
+                Some(Message::Reply { reply: Reply::Following(now), .. }) => feed.heard(now),
                 Some(Message::Samples(batch)) => totals.take(&batch, &mut stream),
                 Some(Message::Event(Event::ExperimentEnded(ended))) => {
                     totals.ended = Some(ended);
