@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use breakaway::command::run::papers_plant;
 use breakaway::device::Client;
+use breakaway::device::share::folder;
 use breakaway::device::virtual_board::VirtualBoard;
 use breakaway_core::link::{BAUD, Message, Mode};
 
@@ -59,6 +60,8 @@ fn a_file_of_set_points_is_followed() {
 
 /// `track --follow -` with a pipe that has said so much and stays open.
 fn piped(board: &VirtualBoard, model: &str, lines: &str, hold: &str) -> Child {
+    // What a test that was killed has left of a pseudo-terminal of this name.
+    let _ = std::fs::remove_file(socket(&board.port));
     let mut child = Process::new(program())
         .args(["track", "--model", model, "--port", &board.port, "--follow", "-", "--hold", hold])
         .stdin(Stdio::piped())
@@ -78,23 +81,28 @@ fn failed(child: Child) -> String {
     said
 }
 
+/// The socket of a pseudo-terminal that is shared.
+fn socket(port: &str) -> std::path::PathBuf {
+    folder().join(format!("{}.sock", port.trim_start_matches("/dev/").replace('/', "-")))
+}
+
 /// Watches beside the process that holds the port, until the axis is tracked.
 fn watch(port: &str) -> Client {
     let begin = Instant::now();
-    loop {
+    // Before that the port is free, and this process would take it.
+    while !socket(port).exists() {
         assert!(begin.elapsed() < Duration::from_secs(60), "nothing to watch");
-        let Ok((mut guest, _)) = Client::connect(port, BAUD) else { continue };
-        if !guest.is_guest() {
-            continue;
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let (mut guest, _) = Client::connect(port, BAUD).unwrap();
+    assert!(guest.is_guest());
+    loop {
+        if let Some(Message::Samples(batch)) = guest.receive(Duration::from_millis(20)).unwrap()
+            && batch.samples().any(|sample| sample.unwrap().mode == Mode::Track)
+        {
+            return guest;
         }
-        while let Ok(message) = guest.receive(Duration::from_millis(20)) {
-            if let Some(Message::Samples(batch)) = message
-                && batch.samples().any(|sample| sample.unwrap().mode == Mode::Track)
-            {
-                return guest;
-            }
-            assert!(begin.elapsed() < Duration::from_secs(60), "no samples");
-        }
+        assert!(begin.elapsed() < Duration::from_secs(60), "no samples");
     }
 }
 
