@@ -7,3 +7,5 @@ mod capture;
 mod peer;
 mod port;
 mod run;
+mod share;
+mod share;
