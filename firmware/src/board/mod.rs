@@ -17,6 +17,8 @@ pub mod mps2_an386;
 #[cfg(all(target_os = "none", feature = "board-nucleo-g474re"))]
 #[allow(unsafe_code, reason = "interrupt and retained RAM of the board")]
 pub mod nucleo_g474re;
+#[cfg(any(not(target_os = "none"), feature = "board-pico2"))]
+pub mod pico2;
 mod protection;
 #[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
 #[allow(unsafe_code, reason = "routines that the compiler calls")]
