@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `uf2`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
 //! `machines`, `loops`, `soak`, `fleet-test`.
 
 mod arrows;
@@ -14,6 +14,7 @@ mod loops;
 mod miri;
 mod qemu;
 mod report;
+mod rp2350;
 mod run;
 mod setup;
 mod soak;
@@ -34,6 +35,8 @@ enum Task {
     Setup,
     /// Build the virtual board's firmware, for `breakaway virtual-board`, and fetch QEMU if it is missing
     Image,
+    /// Build the Pico 2's firmware as images/pico2.uf2 in the target folder, to be dropped on the board
+    Uf2,
     /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
     #[command(alias = "size")]
     Budget {
@@ -100,6 +103,7 @@ fn main() -> ExitCode {
         Task::Test => return check::all(),
         Task::Setup => setup::all(),
         Task::Image => image::all(),
+        Task::Uf2 => rp2350::all(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),
         Task::Arrows => arrows::draw(),
