@@ -9,6 +9,7 @@ use crate::cross::{self, Toolchain};
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
+use crate::rp2350;
 use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
 use crate::words::words_interface_licences;
@@ -55,6 +56,10 @@ fn steps(report: &mut Report) -> Result<()> {
         report.not_run(format!("the tests of the virtual board, and the instructions per tick: {error:#}"));
     }
     report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), false))?;
+    match rp2350::emulator() {
+        Ok(python) => report.check("the Pico 2's image on an emulated core", || rp2350::emulate(&python))?,
+        Err(error) => report.not_run(format!("the Pico 2's image on an emulated core: {error:#}")),
+    }
     report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some())))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))

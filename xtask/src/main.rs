@@ -1,5 +1,5 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `uf2`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
-//! `machines`, `loops`, `soak`, `fleet-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`, `arrows`,
+//! `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`.
 
 mod arrows;
 mod bench;
@@ -37,6 +37,8 @@ enum Task {
     Image,
     /// Build the Pico 2's firmware as images/pico2.uf2 in the target folder, to be dropped on the board
     Uf2,
+    /// Run the Pico 2's firmware on an emulated core; needs Python and PyPI
+    Pico2Test,
     /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
     #[command(alias = "size")]
     Budget {
@@ -104,6 +106,7 @@ fn main() -> ExitCode {
         Task::Setup => setup::all(),
         Task::Image => image::all(),
         Task::Uf2 => rp2350::all(),
+        Task::Pico2Test => rp2350::test(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),
         Task::Arrows => arrows::draw(),

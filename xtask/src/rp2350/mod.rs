@@ -4,12 +4,15 @@ mod boots;
 mod uf2;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, ObjectSymbol, SymbolKind, elf};
 
 use crate::cross::{self, Toolchain};
+use crate::fleet::environment;
+use crate::run::{root, run};
 
 /// Where the flash is.
 const FLASH: u32 = 0x1000_0000;
@@ -51,6 +54,26 @@ pub fn build(toolchain: Toolchain) -> Result<PathBuf> {
     let file = cross::binary(&cross::PICO2, "pico2");
     boots::check(&Image::read(&file)?).with_context(|| format!("{} would not run", file.display()))?;
     Ok(file)
+}
+
+/// Runs the image on an emulated core, with a simulated axis at its pins and a host at its USB: the programs of
+/// tests/pico2. `python` is what [`emulator`] has found.
+pub fn emulate(python: &Path) -> Result<()> {
+    let (image, tests) = (cross::binary(&cross::PICO2, "pico2"), root().join("tests/pico2"));
+    let mut command = Command::new(python);
+    // No folder of compiled files beside the sources.
+    run(command.args(["-B", "test_image.py"]).env("IMAGE", image).current_dir(tests))
+}
+
+/// The Python that has the emulator, from PyPI in the target folder.
+pub fn emulator() -> Result<PathBuf> {
+    environment(&cross::target_folder().join("pico2-venv"), &root().join("tests/pico2/requirements.txt"))
+}
+
+/// Builds the image and runs it.
+pub fn test() -> Result<()> {
+    build(cross::install()?)?;
+    emulate(&emulator()?)
 }
 
 fn write() -> Result<PathBuf> {
