@@ -5,10 +5,11 @@
 mod image {
     use breakaway_firmware::app::{
         App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
+        remember_panic,
     };
     use breakaway_firmware::board::pico2::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::pico2::{
-        Parts, Pico2, Serial, SettingsFlash, TickSlot, defaults, give_up, on_stop, reset, start,
+        Parts, Pico2, RetainedRam, Serial, SettingsFlash, TickSlot, defaults, on_stop, reset, start, switch_off,
     };
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::asm::wfi;
@@ -68,6 +69,29 @@ mod image {
     fn IO_IRQ_BANK0() {
         on_stop();
     }
+
+    /// What a broken program does: off at once, then a reset, after which the fault is reported.
+    extern "C" fn give_up() -> ! {
+        switch_off();
+        remember_panic(&mut RetainedRam);
+        reset()
+    }
+
+    // A stack that is full is a fault whose handler needs some of it, so the limit is lifted first. What is below the
+    // stack is the program's own memory, which is lost with the reset.
+    core::arch::global_asm!(
+        ".section .text.HardFault, \"ax\", %progbits",
+        ".global HardFault",
+        ".type HardFault, %function",
+        ".thumb_func",
+        "HardFault:",
+        "movs r0, #0",
+        "msr msplim, r0",
+        "b {give_up}",
+        ".size HardFault, . - HardFault",
+        ".text",
+        give_up = sym give_up,
+    );
 
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

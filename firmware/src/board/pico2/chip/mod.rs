@@ -14,10 +14,10 @@ mod start;
 mod stop;
 mod ticks;
 
-pub use bridge::{Bridge, open_all_switches};
+pub use bridge::Bridge;
 pub use clock::Microseconds;
 pub use encoder::{Quadrature, TransitionError};
-pub use fatal::{give_up, reset};
+pub use fatal::{reset, switch_off};
 pub use flash::{FlashError, SettingsFlash};
 pub use protection::Guard;
 pub use retained::RetainedRam;
