@@ -26,6 +26,8 @@ HARD_FAULT, TICK, PRESSED = 3, 16 + 8, 16 + 21
 # Where a handler returns to: a place in the ROM that nothing else uses.
 RETURN = 0x7000
 TICK_US = 100
+# What is in RAM before the program writes to it, and where its stack starts.
+UNTOUCHED, STACK = 0xA5, 0x2008_0000
 
 
 class Broken(Exception):
@@ -44,11 +46,12 @@ class Board:
         self.microseconds, self.count, self.pressed = 0, 0, False
         self.transition_error, self.fed, self.reset = False, 0, False
         self.low_at_reset, self.handling, self.taken = None, False, []
+        self.press_at_release, self.lock = False, None
         if elf:
             self.load(elf)
         self.uc.mem_map(RAM, RAM_BYTES)
         # What is in RAM after power-on is nothing to rely on.
-        self.uc.mem_write(RAM, bytes(ram) if ram else b"\xa5" * RAM_BYTES)
+        self.uc.mem_write(RAM, bytes(ram) if ram else bytes([UNTOUCHED]) * RAM_BYTES)
         self.uc.mem_map(DPRAM, 0x1000)
         for base, size in ((0x4000_0000, 0x20_0000), (USB, 0x20_0000), (SIO, 0x10_0000), (CORE, 0x10_0000)):
             self.uc.mmio_map(base, size, self.read, base, self.write, base)
@@ -107,6 +110,8 @@ class Board:
             self.registers[at] = before & ~value
         elif at == PIO + 0x30:
             self.transition_error &= not value & 1
+        elif at == IO + 8 * IN1 + 4 and self.press_at_release and not value >> 12 & 3:
+            self.registers[at], self.pressed = value, True
         elif at == CORE + 0xE100:
             # Enables interrupts, and never disables one.
             self.registers[at] |= value
@@ -151,7 +156,11 @@ class Board:
             if not self.reset:
                 self.tick()
             if not self.reset:
-                self.run(self.uc.reg_read(arm.UC_ARM_REG_PC) | 1)
+                self.wake()
+
+    def wake(self):
+        """The thread, from one sleep to the next."""
+        self.run(self.uc.reg_read(arm.UC_ARM_REG_PC) | 1)
 
     def press(self):
         self.pressed = True
@@ -167,6 +176,25 @@ class Board:
         if self.handling:
             self.taken[-1] += 1
 
+    def count_locks(self):
+        """From now on: the instructions of the thread with interrupts masked, lock by lock."""
+        self.locks = []
+        self.uc.hook_add(unicorn.UC_HOOK_CODE, self.masked)
+        return self.locks
+
+    def masked(self, uc, at, size, _):
+        if self.handling:
+            return
+        code = bytes(uc.mem_read(at, size))
+        if self.lock is not None:
+            self.lock += 1
+        # msr primask, rN ends what cpsid i has begun.
+        if code == b"\x72\xb6" and self.lock is None:
+            self.lock = 0
+        elif code[1:] == b"\xf3\x10\x88" and code[0] >> 4 == 8 and self.lock is not None:
+            self.locks.append(self.lock)
+            self.lock = None
+
     def count_press(self):
         self.press()
         return self.taken[-1]
@@ -179,6 +207,11 @@ class Board:
         """The motor's mean voltage over the supply; None where it coasts."""
         word = self.registers[SLICE + 0x0C]
         return None if self.held_low() else ((word & 0xFFFF) - (word >> 16)) / FULL
+
+    def stack_used(self):
+        """Bytes from the end of RAM down to a stretch of 1 KiB that nobody wrote to."""
+        untouched = bytes([UNTOUCHED]) * 1024
+        return STACK - RAM - self.ram().rfind(untouched, 0, STACK - RAM) - len(untouched)
 
     def ram(self):
         return self.uc.mem_read(RAM, RAM_BYTES)

@@ -17,11 +17,14 @@ class Link:
         # What else happens in a tick: the axis moves.
         self.world = lambda: None
 
-    def ask(self, number, content=b""):
-        """The reply to a command: its number and its content."""
+    def frame(self, number, content):
         self.id += 1
         request = varint(self.id) + bytes([number]) + content
-        frame = b"\0" + cobs(request + struct.pack("<I", zlib.crc32(request))) + b"\0"
+        return b"\0" + cobs(request + struct.pack("<I", zlib.crc32(request))) + b"\0"
+
+    def ask(self, number, content=b""):
+        """The reply to a command: its number and its content."""
+        frame = self.frame(number, content)
         for at in range(0, len(frame), 64):
             self.bus.give(self.bus.bulk[0], frame[at : at + 64])
         # A save erases meanwhile; by ticks of the thread it is one.
@@ -30,7 +33,7 @@ class Link:
                 if kind == REPLY and message.startswith(varint(self.id)):
                     reply = message[len(varint(self.id)) :]
                     return reply[0], reply[1:]
-        raise Broken(f"no reply to {request.hex()}")
+        raise Broken(f"no reply to {frame.hex()}")
 
     def advance(self):
         """One tick; the messages that have arrived."""

@@ -1,11 +1,13 @@
 """What the image does between its pins, its USB and its flash. `cargo xtask pico2-test` runs it: IMAGE names the ELF."""
 
+import gc
 import os
 import unittest
 
 from board import CORE, HARD_FAULT, PSM, WATCHDOG, Board
 from link import Link, relay, varint
 
+gc.disable()
 ELF = os.environ["IMAGE"]
 HELLO, STATUS, GET_SETTINGS, SET_SETTINGS, SAVE, START_RELAY = 0, 1, 2, 3, 6, 7
 STREAM_ON, GET_FAULT, CLEAR, REBOOT = 13, 15, 16, 17
@@ -43,6 +45,11 @@ class Image(unittest.TestCase):
         self.link = Link(self.board)
         self.link.world = Axis(self.board)
         return self.link
+
+    def tearDown(self):
+        # An emulator is freed here, and not inside of a call of another one.
+        self.board = self.link = None
+        gc.collect()
 
     def fault(self):
         kind, content = self.link.ask(GET_FAULT)
@@ -98,6 +105,9 @@ class Image(unittest.TestCase):
             self.advance(250)
         self.assertTrue(self.board.held_low())
         self.assertEqual(self.board.registers[WATCHDOG] >> 24 & 7, 7)
+        print(f"{self.board.stack_used()} bytes of stack", end=" ")
+        # link.x leaves it 64 KiB at least.
+        self.assertLess(self.board.stack_used(), 64 * 1024)
         self.assertIsNone(self.fault())
         self.assertTrue(any(event[0] == 2 for event in self.link.events), "the run's end is told")
 
@@ -111,6 +121,16 @@ class Image(unittest.TestCase):
         print(f"relay tick {sum(taken[-300:]) / 300:.0f} instructions, worst {max(taken)}", end=" ")
         self.assertLess(max(taken), 3750)
         self.assertLess(self.board.count_press(), 30)
+
+    def test_nothing_holds_the_emergency_stop_up_for_long(self):
+        """The driver of USB masks interrupts: for 500 instructions at most, which is under 7 us."""
+        self.start()
+        longest = self.board.count_locks()
+        self.link.ask(STREAM_ON, varint(1))
+        self.run_relay()
+        self.advance(150)
+        print(f"{max(longest)} instructions", end=" ")
+        self.assertTrue(50 < max(longest) < 500)
 
     def test_the_emergency_stop_acts_before_the_tick_and_stays(self):
         self.start()
@@ -129,14 +149,23 @@ class Image(unittest.TestCase):
         self.advance(3)
         self.assertFalse(self.board.held_low())
 
-    def test_a_short_press_without_its_interrupt_is_no_drive(self):
-        """The pin alone is enough: a start with the stop open drives nothing."""
+    def test_a_stop_that_is_open_lets_nothing_start(self):
         self.start()
         self.board.pressed = True
         self.link.ask(START_RELAY, relay(*RELAY, 0))
         self.advance(5)
         self.assertTrue(self.board.held_low())
         self.assertEqual(self.fault(), EMERGENCY_STOP)
+
+    def test_a_stop_that_opens_while_the_bridge_is_enabled_is_seen_at_once(self):
+        """Between the look at the stop and the release of the inputs, and before its interrupt."""
+        self.start()
+        self.board.press_at_release = True
+        self.link.bus.give(self.link.bus.bulk[0], self.link.frame(START_RELAY, relay(*RELAY, 0)))
+        while not self.board.pressed:
+            self.board.tick()
+            self.assertTrue(self.board.held_low())
+            self.board.wake()
 
     def test_both_channels_at_once_are_a_fault(self):
         self.start()

@@ -7,9 +7,10 @@ mod image {
         App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
         remember_panic,
     };
+    use breakaway_firmware::board::RetainedRam;
     use breakaway_firmware::board::pico2::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::pico2::{
-        Parts, Pico2, RetainedRam, Serial, SettingsFlash, TickSlot, defaults, on_stop, reset, start, switch_off,
+        Parts, Pico2, Serial, SettingsFlash, TickSlot, defaults, on_stop, reset, start, switch_off,
     };
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::asm::wfi;

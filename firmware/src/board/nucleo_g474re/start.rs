@@ -12,9 +12,9 @@ use super::constants::{CRYSTAL_HZ, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::{Guard, system_breaks};
-use super::retained::RetainedRam;
 use super::serial::Serial;
 use super::ticks::TickTimer;
+use crate::board::RetainedRam;
 
 /// The board, in the parts that go different ways.
 pub struct Parts {

@@ -8,7 +8,6 @@ mod flash;
 mod pins;
 mod protection;
 mod registers;
-mod retained;
 mod serial;
 mod start;
 mod stop;
@@ -20,13 +19,12 @@ pub use encoder::{Quadrature, TransitionError};
 pub use fatal::{reset, switch_off};
 pub use flash::{FlashError, SettingsFlash};
 pub use protection::Guard;
-pub use retained::RetainedRam;
 pub use serial::Serial;
 pub use start::{IMAGE_DEFINITION, Parts, start};
 pub use stop::on_stop;
 pub use ticks::{TickSlot, TickTimer};
 
-use crate::board::Board;
+use crate::board::{Board, RetainedRam};
 
 /// What the tick needs.
 pub struct Pico2 {

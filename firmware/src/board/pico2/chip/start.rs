@@ -12,10 +12,10 @@ use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::Guard;
 use super::registers::resets;
-use super::retained::RetainedRam;
 use super::serial::Serial;
 use super::ticks::TickTimer;
 use super::{Pico2, stop};
+use crate::board::RetainedRam;
 use crate::board::pico2::constants::CRYSTAL_HZ;
 
 /// Tells the boot ROM what this is: a program for the Arm cores of an RP2350 (RP2350, boot ROM, minimum image
