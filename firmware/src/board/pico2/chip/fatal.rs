@@ -10,7 +10,7 @@ pub fn switch_off() {
     open_all_switches();
 }
 
-/// Resets the whole chip, by the watchdog: SYSRESETREQ would leave PWM and pins as they are.
+/// Resets the whole chip, PWM and pins with it, by the watchdog: SYSRESETREQ is a warm reset of the core.
 pub fn reset() -> ! {
     switch_off();
     select_reset();

@@ -37,7 +37,7 @@ pub struct Parts {
 }
 
 /// Starts the board; once. The power stage is off. The watchdog starts with the ticks: what is kept in flash is read
-/// before, and takes longer than its time.
+/// before, and may take longer than its time.
 ///
 /// Core 1 stays where the boot ROM left it, asleep: one core does what is to be done, and what it does needs no lock.
 ///
