@@ -209,9 +209,10 @@ class Board:
         return None if self.held_low() else ((word & 0xFFFF) - (word >> 16)) / FULL
 
     def stack_used(self):
-        """Bytes from the end of RAM down to a stretch of 1 KiB that nobody wrote to."""
-        untouched = bytes([UNTOUCHED]) * 1024
-        return STACK - RAM - self.ram().rfind(untouched, 0, STACK - RAM) - len(untouched)
+        """Bytes down to the lowest that was written to, above a stretch of 64 KiB that nobody wrote to."""
+        ram, untouched = self.ram()[: STACK - RAM], bytes([UNTOUCHED])
+        free = ram.find(untouched * 64 * 1024)
+        return len(ram[free:].lstrip(untouched))
 
     def ram(self):
         return self.uc.mem_read(RAM, RAM_BYTES)
