@@ -7,7 +7,6 @@ pub mod constants;
 mod encoder;
 mod flash;
 mod protection;
-mod retained;
 mod serial;
 mod start;
 mod ticks;
@@ -17,12 +16,11 @@ pub use clock::Microseconds;
 pub use encoder::{Quadrature, TransitionError};
 pub use flash::{FlashError, SettingsFlash, acknowledge_ecc};
 pub use protection::Guard;
-pub use retained::RetainedRam;
 pub use serial::Serial;
 pub use start::{Parts, start};
 pub use ticks::{TickSlot, TickTimer};
 
-use crate::board::Board;
+use crate::board::{Board, RetainedRam};
 
 /// What the tick needs.
 pub struct Nucleo {
