@@ -59,7 +59,7 @@ impl<'a> Feed<'a> {
                 }
                 Err(TryRecvError::Empty) => {
                     let wait = self.schedule.interval_s().map(|s| Duration::from_secs_f64(s).max(LEAST_WAIT));
-                    if !wait.is_some_and(|wait| self.read_at.elapsed() > wait) {
+                    if wait.is_none_or(|wait| self.read_at.elapsed() <= wait) {
                         return Ok(());
                     }
                     // The next line is late: the axis comes to rest here.

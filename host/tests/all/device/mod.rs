@@ -8,4 +8,3 @@ mod peer;
 mod port;
 mod run;
 mod share;
-mod share;
