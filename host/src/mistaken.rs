@@ -3,7 +3,8 @@
 use std::fmt;
 
 /// What the content of a file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Content {
     /// A recording, CSV.
     Recording,

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// How much is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +17,9 @@ pub enum Verbosity {
 
 /// One for the process: standard error is one, too.
 static VERBOSITY: AtomicU8 = AtomicU8::new(Verbosity::Normal as u8);
+
+/// Beside it: what was doubtful in this run.
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// Sets how much is said from now on.
 pub fn set(verbosity: Verbosity) {
@@ -41,8 +45,14 @@ pub fn is_verbose() -> bool {
     is(Verbosity::Verbose)
 }
 
+/// The warnings so far: a JSON document has them among its remarks.
+pub fn warnings() -> Vec<String> {
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
 /// Says what is doubtful.
 pub fn warn(text: impl Display) {
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string());
     if !is(Verbosity::Quiet) {
         eprintln!("warning: {text}");
     }

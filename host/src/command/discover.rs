@@ -37,7 +37,8 @@ MACHINE/improved.toml, report.html and result.json, and over all machines summar
 skipped if its result is there, from the same files, options and version. A machine that fails has a row with the reason,
 and the exit code is then 1.
 
-JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, where, candidates, next_experiment, seconds.
+JSON: verdict, effects (name, parameters, rivals), ladder, noise_floor, force, unexplained (before, after, predictable_share,
+coordinate), where, candidates, next_experiment, remarks, seconds.
 JSON of --fleet: machines (machine, verdict, effects, tied, shrink, noise_factor, noise_floor, base, seconds, skipped,
 reason), done, skipped, failed, summary_csv, summary_html.")]
 pub struct Args {

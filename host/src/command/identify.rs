@@ -16,6 +16,7 @@ use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
 use crate::report::json::Quantity;
+use crate::report::remark::RemarkJson;
 
 /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
 #[derive(clap::Args, Debug)]
@@ -23,8 +24,8 @@ use crate::report::json::Quantity;
   breakaway identify run.csv --time t_s --input u_V --position x_m -o model.toml
 
 JSON: b, c, f1, load (value, se, unit; load null where it is not significant), undetermined (parameter, advice),
-noise (of the position), estimator, why, held_out (blocks, error_ratio, t; null where none was held out), estimates (of every
-estimator), gravity (travel_rad, blocks, error_ratio, t, helps; null where it was not tried), white, simulation_error,
+noise (of the position), estimator, chosen_because, held_out (blocks, error_ratio, t; null where none was held out),
+estimators (name, b, c, f1, load, holdout: its held-out error over the chosen one's), gravity (travel_rad, blocks, error_ratio, t, helps; null where it was not tried), white, simulation_error,
 residual_correlation, remarks.")]
 pub struct Args {
     /// Recordings of one session
@@ -40,11 +41,13 @@ pub struct Args {
 
 #[derive(Debug, Serialize)]
 struct Row {
-    estimator: &'static str,
+    name: &'static str,
     b: Quantity,
     c: Quantity,
     f1: Quantity,
     load: Option<Quantity>,
+    /// Held-out error over that of the estimator that is reported; null where it was not compared.
+    holdout: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -80,25 +83,26 @@ struct Document {
     undetermined: Vec<Missing>,
     noise: f64,
     estimator: &'static str,
-    why: String,
+    chosen_because: String,
     held_out: Option<HeldOut>,
-    estimates: Vec<Row>,
+    estimators: Vec<Row>,
     gravity: Option<Gravity>,
     white: bool,
     simulation_error: f64,
     residual_correlation: f64,
-    remarks: Vec<String>,
+    remarks: Vec<RemarkJson>,
 }
 
 impl Row {
     fn new(estimate: &ModelEstimate, units: &Units) -> Self {
         let quantity = |value: Value, unit: String| Quantity { value: value.value, se: value.se, unit };
         Self {
-            estimator: estimate.estimator,
+            name: estimate.estimator,
             b: quantity(estimate.b, units.of_b()),
             c: quantity(estimate.c, units.of_c()),
             f1: quantity(estimate.f1, units.of_f1()),
             load: estimate.load.map(|load| quantity(load, units.of_f1())),
+            holdout: None,
         }
     }
 }
@@ -111,8 +115,18 @@ impl HeldOut {
 
 impl Document {
     fn new(result: &Identification, units: &Units, left_out: Vec<String>) -> Self {
-        let remarks = result.remarks.iter().map(ToString::to_string).chain(left_out);
+        let own = result.remarks.iter().map(|remark| RemarkJson::new(remark.kind(), remark));
+        let remarks = own.chain(left_out.into_iter().map(|text| RemarkJson::new("left_out", text)));
         let best = Row::new(&result.best, units);
+        let ratio = result.choice.comparison().map(Comparison::ratio);
+        // Weak form and output error are compared; the describing function's and the modulating functions' are not.
+        let compared =
+            |name: &str| result.choice.comparison().is_some() && ["weak_form", "output_error"].contains(&name);
+        let row = |estimate: &ModelEstimate| {
+            let own = estimate.estimator == result.best.estimator;
+            let holdout = if own { ratio.map(|_| 1.0) } else { ratio.filter(|_| compared(estimate.estimator)) };
+            Row { holdout, ..Row::new(estimate, units) }
+        };
         Self {
             b: best.b,
             c: best.c,
@@ -124,10 +138,10 @@ impl Document {
                 .map(|u| Missing { parameter: u.parameter, advice: u.advice.clone() })
                 .collect(),
             noise: result.noise,
-            estimator: best.estimator,
-            why: choice::choice(&result.choice),
+            estimator: best.name,
+            chosen_because: choice::choice(&result.choice),
             held_out: result.choice.comparison().map(HeldOut::new),
-            estimates: result.estimates.iter().map(|estimate| Row::new(estimate, units)).collect(),
+            estimators: result.estimates.iter().map(row).collect(),
             gravity: result.gravity.as_ref().map(|trial| Gravity {
                 travel_rad: trial.travel_rad,
                 held_out: HeldOut::new(&trial.comparison),
@@ -136,7 +150,9 @@ impl Document {
             white: result.white,
             simulation_error: result.simulation_error,
             residual_correlation: result.residual_correlation,
-            remarks: remarks.chain(result.gravity.iter().map(choice::gravity)).collect(),
+            remarks: remarks
+                .chain(result.gravity.iter().map(|trial| RemarkJson::new("gravity", choice::gravity(trial))))
+                .collect(),
         }
     }
 }
@@ -204,14 +220,14 @@ fn table(document: &Document) -> String {
         Some(load) => row("load", load),
         None => text.push_str("load  none that is significant\n"),
     }
-    let _ = writeln!(text, "\nreported: {}", document.why);
+    let _ = writeln!(text, "\nreported: {}", document.chosen_because);
     text.push_str("\nby estimator:\n");
-    for estimate in &document.estimates {
+    for estimate in &document.estimators {
         let load = estimate.load.as_ref().map_or_else(String::new, |load| format!("  load {:.4e}", load.value));
         let _ = writeln!(
             text,
             "  {:<19} b {:.5e}  c {:.4e}  f1 {:.4e}{load}",
-            estimate.estimator, estimate.b.value, estimate.c.value, estimate.f1.value
+            estimate.name, estimate.b.value, estimate.c.value, estimate.f1.value
         );
     }
     let _ = writeln!(
@@ -225,7 +241,7 @@ fn table(document: &Document) -> String {
         let _ = writeln!(text, "undetermined: {}: {}", missing.parameter, missing.advice);
     }
     for remark in &document.remarks {
-        let _ = writeln!(text, "note: {remark}");
+        let _ = writeln!(text, "note: {}", remark.text);
     }
     text
 }

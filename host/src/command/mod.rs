@@ -9,6 +9,7 @@ pub mod demo;
 pub mod device;
 pub mod discover;
 pub mod effects;
+pub mod failure;
 pub mod identify;
 pub mod man;
 pub mod monitor;
@@ -31,6 +32,7 @@ use clap::{Parser, Subcommand};
 use crate::device::DeviceError;
 use crate::recording::RecordingError;
 use console::Verbosity;
+use failure::Failure;
 use output::Output;
 
 /// Identify, simulate and discover friction in a servo axis.
@@ -95,6 +97,21 @@ pub enum CliCommand {
 #[error("{0}")]
 pub struct UsageError(pub String);
 
+/// Reads the command line. Exit code 2 and the reason, on standard error and with `--json` as a document, where it is wrong.
+///
+/// # Errors
+/// The exit code, where there is no command to run: wrong usage, or help and version, which are printed.
+pub fn parse() -> Result<Cli, ExitCode> {
+    Cli::try_parse().map_err(|error| {
+        // Nothing can be done where the terminal is gone.
+        let _ = error.print();
+        if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
+            Failure::of_usage(&error).print();
+        }
+        ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+    })
+}
+
 /// Runs a command. Exit code 0: done; 1: the work could not be done, the reason is on standard error; 2: wrong usage.
 pub fn run(cli: Cli) -> ExitCode {
     console::set(match (cli.quiet, cli.verbose) {
@@ -125,6 +142,9 @@ pub fn run(cli: Cli) -> ExitCode {
         Err(error) => {
             // `{:#}` is the whole chain of causes, on one line.
             eprintln!("error: {error:#}");
+            if output.json {
+                Failure::of(&error).print();
+            }
             let interrupted = matches!(error.downcast_ref(), Some(DeviceError::Interrupted));
             ExitCode::from(match () {
                 () if error.is::<UsageError>() => 2,

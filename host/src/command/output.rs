@@ -4,9 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use serde::Serialize;
+use serde_json::Value;
 
-use super::UsageError;
+use super::{UsageError, console};
 use crate::file::{FileKind, Target, TargetError, apart, is_standard_input, may_write};
+use crate::report::remark::RemarkJson;
 
 /// How results are printed, and what they may replace.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +64,7 @@ impl Output {
     /// # Errors
     /// What standard output reports. That its reader has gone away (`| head`) is no error.
     pub fn print<T: Serialize>(self, document: &T, text: impl FnOnce(&T) -> String) -> anyhow::Result<()> {
-        let mut text = if self.json { serde_json::to_string_pretty(document)? } else { text(document) };
+        let mut text = if self.json { serde_json::to_string_pretty(&versioned(document)?)? } else { text(document) };
         if !text.ends_with('\n') {
             text.push('\n');
         }
@@ -76,6 +78,25 @@ impl Output {
             _ => Ok(()),
         }
     }
+}
+
+/// Version of the documents. It grows when a field goes away or changes its meaning, not when one is added.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The document with its version, and with the warnings of this run among its remarks.
+fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
+    let mut value = serde_json::to_value(document)?;
+    if let Value::Object(fields) = &mut value {
+        let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", text));
+        let warnings: Vec<Value> = warnings.map(serde_json::to_value).collect::<Result<_, _>>()?;
+        match fields.get_mut("remarks") {
+            Some(Value::Array(remarks)) => remarks.extend(warnings),
+            None if !warnings.is_empty() => _ = fields.insert("remarks".to_owned(), Value::Array(warnings)),
+            _ => {}
+        }
+        fields.insert("schema_version".to_owned(), SCHEMA_VERSION.into());
+    }
+    Ok(value)
 }
 
 /// An error of the arguments as one of usage.

@@ -10,7 +10,8 @@ use breakaway_core::control::{AdaptiveError, CompensatorError, DriftError, Tunin
 use crate::file::FileError;
 
 /// Why a controller cannot be made, read or run.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum ControlError {
     /// The gains are past what the sampled loop allows.
@@ -29,10 +30,18 @@ pub enum ControlError {
     },
     /// The model cannot be compensated.
     #[error("the model cannot be compensated: {0}")]
-    Compensator(#[from] CompensatorError),
+    Compensator(
+        #[from]
+        #[serde(skip)]
+        CompensatorError,
+    ),
     /// The drift watch refuses its settings.
     #[error("the drift watch refuses its settings: {0}")]
-    Drift(#[from] DriftError),
+    Drift(
+        #[from]
+        #[serde(skip)]
+        DriftError,
+    ),
     /// The reference is not one.
     #[error("--reference {text}: {reason}")]
     Reference {

@@ -7,7 +7,8 @@ use breakaway_core::link::{BAUD, CommandError, PROTOCOL_VERSION, SCHEMA};
 use super::text;
 
 /// Why the board could not be reached, or did not do what it was asked.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum DeviceError {
     /// There is no such port.
     #[error(
@@ -198,6 +199,7 @@ pub enum DeviceError {
         /// The file.
         file: String,
         /// The system's reason.
+        #[serde(skip)]
         reason: io::Error,
     },
 }

@@ -1,16 +1,15 @@
 //! Whether names that the simulated motion alone gives are believed (docs/discovery.md, section 9).
 
-use breakaway_core::plant::{Effect, Kind};
+use breakaway_core::plant::Kind;
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
+use super::force_residual;
 use super::judge::library::weighs;
 use super::judge::ruling::{Candidacy, Ruling};
 use super::judge::settings::Settings;
 use super::outcome::Discovery;
-use super::screen::Screen;
-use crate::fit::Candidate;
 
 /// Held-out simulation error, over the sensor's noise, below which a model is near that noise.
 const NEAR: f64 = 5.0;
@@ -29,8 +28,6 @@ const MATERIAL: f64 = 0.8;
 const AGAINST: f64 = -2.0;
 /// Force that is left, over what the sensor's noise makes of it, above which the measured forces may speak.
 const FORCE: f64 = 5.0;
-/// Half-width of the windows of the measured forces where the judge has none, s.
-const HALF_WIDTH_S: f64 = 0.1;
 /// Width of the windows in which the sensor's noise does not count, over that of the windows in which the judge ruled.
 const WIDE: f64 = 4.0;
 
@@ -95,11 +92,11 @@ impl Corroboration {
         let prepared =
             [FIT_SEGMENT_S, SHORT_SEGMENT_S].map(|length| Data::new(&request.recordings, &request.holdout, length));
         let data = prepared.into_iter().find(|data| data.fit.len() >= 3 && !data.score.is_empty());
-        let width_s = ruling.map_or(HALF_WIDTH_S, |ruling| WIDE * ruling.half_width_s);
+        let width_s = ruling.map_or(force_residual::HALF_WIDTH_S, |ruling| WIDE * ruling.half_width_s);
         // The force of a second body follows from its start, which the measured motion does not tell.
         let bodies = small.model.effects.iter().chain(&before.model.effects).any(|effect| effect.kind.second_body());
         let force = data.as_ref().filter(|_| !bodies).and_then(|data| {
-            let of = |found: &Discovery| force_residual(data, &found.model, width_s);
+            let of = |found: &Discovery| force_residual::held_out(data, &found.model, width_s);
             Some([of(before)?, of(small)?])
         });
         Self {
@@ -126,15 +123,6 @@ impl Corroboration {
         let near = with < NEAR.min(HALF * without).max(AT_THE_NOISE);
         down_to_the_noise || near || force.is_some_and(|share| share < MATERIAL) && follows < HALF * drifts
     }
-}
-
-/// Norm of the measured force that a model leaves in the held-out windows. The model's effects are kept and its base is
-/// fitted anew. `None` where there are too few windows.
-fn force_residual(data: &Data, model: &Candidate, half_width_s: f64) -> Option<f64> {
-    let held_out = Data { fit: data.score.clone(), ..data.clone() };
-    let effects: Vec<Effect<f64>> = model.effects.clone();
-    let screen = Screen::of_width(&held_out, &Candidate { base: model.base, effects }, half_width_s)?;
-    Some(screen.residual_norm())
 }
 
 #[cfg(test)]

@@ -43,7 +43,8 @@ const BASE_ITERATIONS: usize = 20;
 const UNITS_FACTOR: f64 = 20.0;
 
 /// Why there is no discovery.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum DiscoverError {
     /// The base cannot be identified.
     #[error(transparent)]

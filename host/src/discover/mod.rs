@@ -6,6 +6,7 @@ pub mod data;
 pub mod decide;
 pub mod drive_free;
 pub mod engine;
+mod force_residual;
 mod gap;
 pub mod judge;
 mod model;

@@ -86,6 +86,12 @@ pub struct Rung {
     /// Held-out simulation error over windows of 1 s, position units. A window's start is fitted over its first segment
     /// length.
     pub holdout_open_loop_rmse: f64,
+    /// Measured force that the model leaves, over the drive's rms: fitted and held-out segments. `None` for a second body
+    /// and where there are too few windows.
+    pub force_residual: Option<[f64; 2]>,
+    /// Residual of a curve that does not use the drive, over the windows of the open loop, position units. `None` without
+    /// one.
+    pub drive_free_rmse: Option<f64>,
 }
 
 /// A coordinate, and how the residual force depends on it.

@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::mistaken::{Content, seems};
 
 /// Why a file could not be read or written.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FileError {
     /// There is no such file.

@@ -4,7 +4,8 @@
 pub(super) const HEAD_BYTES: usize = 8192;
 
 /// A kind of file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FileKind {
     /// A recording, CSV.
     Recording,

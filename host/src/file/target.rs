@@ -19,7 +19,8 @@ pub enum Target {
 }
 
 /// Why a file is not written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum TargetError {
     /// It is read by the same command.
@@ -80,6 +81,7 @@ pub enum TargetError {
         /// The file's name as it was given.
         file: String,
         /// What the system said.
+        #[serde(skip)]
         source: io::Error,
     },
 }

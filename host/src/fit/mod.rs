@@ -87,7 +87,8 @@ pub struct Fit {
 }
 
 /// Why a candidate has no fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum FitError {
     /// The simulation from the start exceeds the range of numbers.
     #[error("the simulation diverges with the starting parameters")]

@@ -5,7 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Why a folder is no fleet, or a machine's folder cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FolderError {
     /// The system could not list the folder.
@@ -14,6 +15,7 @@ pub enum FolderError {
         /// The folder.
         folder: String,
         /// What the system said.
+        #[serde(skip)]
         source: io::Error,
     },
     /// The fleet's folder holds no folder.

@@ -1,7 +1,8 @@
 //! Why no model can be given.
 
 /// Why no model can be given.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum IdentifyError {
     /// No recording.
     #[error("no recording to identify from")]

@@ -38,6 +38,17 @@ pub enum Remark {
 }
 
 impl Remark {
+    /// Its name in JSON.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::BackEmfInDamping => "back_emf_in_damping",
+            Self::EstimatorsAgree { .. } => "estimators_agree",
+            Self::WeakFormIsBiased => "weak_form_is_biased",
+            Self::ModelMisses { .. } => "model_misses",
+            Self::DriveBetweenRows { .. } => "drive_between_rows",
+            Self::Refused { .. } => "estimator_refused",
+        }
+    }
     /// Whether the remark says that the base model misses something.
     pub const fn is_of_a_gap(&self) -> bool {
         matches!(self, Self::ModelMisses { .. })

@@ -8,7 +8,8 @@ use crate::file::FileError;
 use crate::nearest::did_you_mean;
 
 /// Why a model file cannot be used or written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum ModelError {
     /// The file could not be read or written, or is of another kind.

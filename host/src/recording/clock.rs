@@ -22,7 +22,8 @@ const LIKELY_HZ: f64 = 1e3;
 const SINCE_1970_S: (f64, f64) = (1e9, 4.1e9);
 
 /// Unit of a time column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TimeUnit {
     /// Hours.
     Hours,

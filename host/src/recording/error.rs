@@ -18,7 +18,8 @@ fn in_microseconds(t_s: f64) -> f64 {
 }
 
 /// Why a file is not a recording that can be used, or could not be written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RecordingError {
     /// What is wrong with its clock.

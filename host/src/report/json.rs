@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::remark::RemarkJson;
 use crate::discover::outcome::{Discovery, Force, NamedEffect, NextExperiment, Rung, WhereRow};
 use crate::simulate::experiment::Experiment;
 
@@ -17,11 +18,12 @@ pub struct Document<'a> {
     ladder: Vec<RungJson>,
     noise_floor: f64,
     force: Option<ForceJson>,
+    unexplained: Option<UnexplainedJson>,
     #[serde(rename = "where")]
     where_map: Vec<WhereJson<'a>>,
     candidates: Vec<CandidateJson<'a>>,
     next_experiment: Option<NextJson<'a>>,
-    remarks: &'a [String],
+    remarks: Vec<RemarkJson>,
     segments: [usize; 2],
     seconds: f64,
     provenance: ProvenanceJson<'a>,
@@ -82,12 +84,70 @@ impl From<Force> for ForceJson {
     }
 }
 
+/// The measured force that base and final model leave unexplained.
+#[derive(Debug, Serialize)]
+struct UnexplainedJson {
+    before: UnexplainedForceJson,
+    after: UnexplainedForceJson,
+    predictable_share: BeforeAfterJson,
+    /// The coordinate over which averages explain most of what the base leaves.
+    coordinate: Option<&'static str>,
+}
+
+#[derive(Debug, Serialize)]
+struct UnexplainedForceJson {
+    rms: f64,
+    unit: String,
+    percent_of_drive: f64,
+    bandwidth_hz: f64,
+}
+
+/// Largest share of the unexplained force that averages over one coordinate explain, cross-validated, 0 to 1.
+#[derive(Debug, Serialize)]
+struct BeforeAfterJson {
+    before: Option<f64>,
+    after: Option<f64>,
+}
+
+fn unexplained(discovery: &Discovery, force: &Force) -> UnexplainedJson {
+    let drive_rms = force.random / force.random_share;
+    let of = |share: f64| UnexplainedForceJson {
+        rms: share * drive_rms,
+        unit: discovery.units.u.clone(),
+        percent_of_drive: 100.0 * share,
+        bandwidth_hz: crate::discover::judge::ruling::bandwidth_hz(force.half_width_s),
+    };
+    let most = |share: fn(&WhereRow) -> f64| {
+        let rows = discovery.where_map.iter();
+        rows.max_by(|a, b| share(a).total_cmp(&share(b)))
+    };
+    let (before, after) = (most(|row| row.r2), most(|row| row.r2_after));
+    UnexplainedJson {
+        before: of(force.drive[0]),
+        after: of(force.drive[1]),
+        predictable_share: BeforeAfterJson {
+            before: before.map(|row| row.r2.max(0.0)),
+            after: after.map(|row| row.r2_after.max(0.0)),
+        },
+        coordinate: before.map(|row| row.coordinate),
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct RungJson {
     effects: Vec<&'static str>,
     fit_rmse: f64,
     holdout_rmse: f64,
     holdout_open_loop_rmse: f64,
+    force_residual: Option<ShareJson>,
+    drive_free_rmse: Option<f64>,
+}
+
+/// Shares of the rms of the drive.
+#[derive(Debug, Serialize)]
+struct ShareJson {
+    fit: f64,
+    holdout: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -156,6 +216,8 @@ impl From<&Rung> for RungJson {
             fit_rmse: rung.fit_rmse,
             holdout_rmse: rung.holdout_rmse,
             holdout_open_loop_rmse: rung.holdout_open_loop_rmse,
+            force_residual: rung.force_residual.map(|[fit, holdout]| ShareJson { fit, holdout }),
+            drive_free_rmse: rung.drive_free_rmse,
         }
     }
 }
@@ -212,10 +274,11 @@ impl<'a> From<&'a Discovery> for Document<'a> {
             ladder: discovery.ladder.iter().map(RungJson::from).collect(),
             noise_floor: discovery.noise_floor,
             force: discovery.force.map(ForceJson::from),
+            unexplained: discovery.force.map(|force| unexplained(discovery, &force)),
             where_map: discovery.where_map.iter().map(WhereJson::from).collect(),
             candidates: candidates.collect(),
             next_experiment: discovery.next_experiment.as_ref().map(NextJson::from),
-            remarks: &discovery.remarks,
+            remarks: discovery.remarks.iter().map(|text| RemarkJson::new("discovery", text)).collect(),
             segments: discovery.segments.into(),
             seconds: discovery.seconds,
             provenance: ProvenanceJson {

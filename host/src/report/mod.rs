@@ -14,5 +14,6 @@ pub mod figure;
 pub mod identification;
 pub mod json;
 pub mod page;
+pub mod remark;
 pub mod text;
 pub mod tracking;

@@ -8,7 +8,8 @@ pub mod motion;
 pub mod suite;
 
 /// Why an experiment could not be simulated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum SimulateError {
     /// The experiment file cannot be read, or is of another kind.
     #[error(transparent)]

@@ -12,7 +12,8 @@ pub use breakaway_core::estimate::sine::{SineErrors, SineFit};
 use crate::recording::Signal;
 
 /// Why a signal has no sine fit.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum SineFitError {
     /// No or hardly any samples between `--from` and `--to`.
@@ -31,7 +32,7 @@ pub enum SineFitError {
     },
     /// The core's fit refused.
     #[error("{}", in_words(.0))]
-    Fit(SineError),
+    Fit(#[serde(skip)] SineError),
 }
 
 /// Fits one sine with offset to the samples whose time lies in `window`. `period_s` is a guess, right within a factor of two;

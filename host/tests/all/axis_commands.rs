@@ -28,7 +28,7 @@ fn a_settled_relay_run_reports_the_limit_cycle() {
     let folder = tempfile::tempdir().unwrap();
     let file = experiment(folder.path(), "relay", 15.0, "tick_s = 1e-4\n", RELAY, "encoder_step = 1e-4\n");
     let document = json(folder.path(), &["run", &file, "-o", "out"]);
-    assert_eq!(keys(&document), ["breakaway", "recordings"]);
+    assert_eq!(keys(&document), ["breakaway", "recordings", "schema_version"]);
     assert_eq!(keys(&document["recordings"][0]), ["ending", "file", "role", "samples"]);
     let ending = &document["recordings"][0]["ending"];
     assert_eq!(keys(ending), ["amplitude", "bias", "cycles", "kind", "mean_drive", "omega", "period_s", "tolerance"]);
@@ -121,7 +121,7 @@ fn relays(folder: &Path) {
         let file = experiment(folder, name, 20.0, "", &format!("kind = \"relay\"\nh1 = {h1:?}\nh2 = {h2:?}\n"), NOISY);
         let output = format!("{name}.csv");
         let document = json(folder, &["simulate", "--model", "m.toml", "--experiment", &file, "-o", &output]);
-        assert_eq!(keys(&document), ["recording", "samples", "travel_limit_tripped"]);
+        assert_eq!(keys(&document), ["recording", "samples", "schema_version", "travel_limit_tripped"]);
         assert_eq!(document["samples"], 20_000);
     }
 }
@@ -134,7 +134,8 @@ fn identify_prints_the_document_of_the_contract_and_writes_the_model() {
     let place = folder.path();
     relays(place);
     let document = json(place, &["identify", "a.csv", "b.csv", "-o", "found.toml"]);
-    for key in ["b", "c", "f1", "load", "undetermined", "noise", "estimator", "estimates", "remarks"] {
+    for key in ["b", "c", "f1", "load", "undetermined", "noise", "estimator", "estimators", "chosen_because", "remarks"]
+    {
         assert!(document.get(key).is_some(), "{key}");
     }
     let truth = [("b", 0.02685, "V·s²/rad"), ("c", 0.11, "V·s/rad"), ("f1", 0.5, "V")];
@@ -146,8 +147,8 @@ fn identify_prints_the_document_of_the_contract_and_writes_the_model() {
     assert_eq!(document["load"], Value::Null);
     assert_eq!(document["undetermined"], Value::Array(Vec::new()));
     let row = |name: &str| {
-        let rows = document["estimates"].as_array().unwrap();
-        rows.iter().find(|row| row["estimator"] == name).unwrap_or_else(|| panic!("no row {name}"))
+        let rows = document["estimators"].as_array().unwrap();
+        rows.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("no row {name}"))
     };
     for (name, limits) in [("modulating", [0.01, 0.005, 0.01]), ("describing_function", [0.05, 0.2, 0.2])] {
         for ((key, truth, _), limit) in truth.into_iter().zip(limits) {
@@ -173,9 +174,9 @@ fn relay_recordings_that_cannot_separate_c_and_f1_say_so() {
     ] {
         let document = json(folder.path(), &[&["identify"], recordings].concat());
         let remarks = document["remarks"].as_array().unwrap();
-        assert!(remarks.iter().any(|remark| remark.as_str().unwrap().contains(wanted)), "{remarks:?}");
-        let rows = document["estimates"].as_array().unwrap();
-        assert!(rows.iter().all(|row| row["estimator"] != "describing_function"));
+        assert!(remarks.iter().any(|remark| remark["text"].as_str().unwrap().contains(wanted)), "{remarks:?}");
+        let rows = document["estimators"].as_array().unwrap();
+        assert!(rows.iter().all(|row| row["name"] != "describing_function"));
         assert!((number(&document["f1"]["value"]) / 0.5 - 1.0).abs() < 5e-3, "{}", document["f1"]);
     }
 }

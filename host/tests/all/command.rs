@@ -52,7 +52,10 @@ fn sinefit_prints_the_document_of_the_contract() {
         let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
         let mut keys: Vec<&str> = document.as_object().unwrap().keys().map(String::as_str).collect();
         keys.sort_unstable();
-        assert_eq!(keys, ["amplitude", "cycles", "offset", "omega", "phase", "phase_centre", "rms", "se"]);
+        assert_eq!(
+            keys,
+            ["amplitude", "cycles", "offset", "omega", "phase", "phase_centre", "rms", "schema_version", "se"]
+        );
         let number = |key: &str| document[key].as_f64().unwrap();
         let error = |key: &str| document["se"][key].as_f64().unwrap();
         let centre = (TAU * 1.3 * 4.9995 + 0.7) % TAU;
@@ -86,7 +89,8 @@ fn sinefit_takes_a_window_and_prints_a_table_for_people() {
     let amplitude = text(&run.stdout).lines().next().unwrap();
     assert!(amplitude.starts_with("amplitude") && amplitude.ends_with("rad"), "{amplitude}");
     let outside = breakaway(&["sinefit", path, "--from", "200", "--json"]);
-    assert_eq!((outside.status.code(), text(&outside.stdout)), (Some(1), ""));
+    let document: serde_json::Value = serde_json::from_slice(&outside.stdout).unwrap();
+    assert_eq!((outside.status.code(), &document["error"]["kind"]), (Some(1), &"outside_window".into()));
     assert!(
         text(&outside.stderr)
             .ends_with("sine.csv: no row from 200 s to inf s; the recording runs from 100 s to 109.999 s\n"),

@@ -33,6 +33,7 @@ fn tune_reports_gains_margins_and_what_it_leaves_out() {
             "gains",
             "largest_bandwidth_hz",
             "margins",
+            "schema_version",
             "tick_s",
             "units"
         ]
@@ -80,7 +81,7 @@ fn track_shows_what_compensation_gains() {
     let document = json(folder.path(), &arguments);
     assert_eq!(
         keys(&document),
-        ["duration_s", "improvement", "plant", "reference", "runs", "settle_s", "tick_s", "units"]
+        ["duration_s", "improvement", "plant", "reference", "runs", "schema_version", "settle_s", "tick_s", "units"]
     );
     let rms = |name: &str| {
         let runs = document["runs"].as_array().unwrap();

@@ -160,7 +160,7 @@ fn the_command_says_why_and_how_to_go_on() {
     run(place, &["simulate", "--model", "m.toml", "--experiment", "e.toml", "-o", "r.csv"]);
     let said = run(place, &["identify", "r.csv"]);
     let document: Value = serde_json::from_str(&run(place, &["identify", "r.csv", "--json"])).unwrap();
-    let why = document["why"].as_str().unwrap();
+    let why = document["chosen_because"].as_str().unwrap();
     assert!(
         said.contains(&format!("reported: {why}")) && why.starts_with(document["estimator"].as_str().unwrap()),
         "{said}"

@@ -119,7 +119,7 @@ fn a_recording_that_does_not_move_is_left_out_of_a_session() {
     let among = json(folder.path(), &["identify", "still.csv", "relay.csv", "flicker.csv"]);
     assert_eq!((&alone["b"], &alone["f1"]), (&among["b"], &among["f1"]));
     assert!(keys(&among).contains(&"remarks"));
-    let remarks: Vec<&str> = among["remarks"].as_array().unwrap().iter().filter_map(|r| r.as_str()).collect();
+    let remarks: Vec<&str> = among["remarks"].as_array().unwrap().iter().filter_map(|r| r["text"].as_str()).collect();
     let left: Vec<&str> = remarks.into_iter().filter(|remark| remark.contains("left out")).collect();
     assert_snapshot!(left.join("\n"), @r"
     still.csv is left out: the position does not move: it is 3.5 in all 40 rows

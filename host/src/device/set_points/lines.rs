@@ -1,10 +1,12 @@
 //! Lines of set-points: `time_s,position[,velocity]`, or a position alone at a stated rate.
 
 /// A line that is no set-point.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", rename = "set_point")]
 #[error("{name}, line {line}: {reason}")]
 pub struct LineError {
     /// The file, or standard input.
+    #[serde(rename = "file")]
     pub name: String,
     /// Line, counted from 1.
     pub line: u64,

@@ -1,7 +1,8 @@
 //! What can go wrong with the virtual board.
 
 /// What went wrong, and what to do.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 pub enum VirtualBoardError {
     /// There is no QEMU.
     #[error(
@@ -25,7 +26,11 @@ pub enum VirtualBoardError {
     Lost(String),
     /// A file of its own could not be made.
     #[error("cannot prepare the virtual board: {0}")]
-    Io(#[from] std::io::Error),
+    Io(
+        #[from]
+        #[serde(skip)]
+        std::io::Error,
+    ),
     /// A flash is to be corrupted, and there is none.
     #[error("corrupt-flash needs a flash that is kept: give its file, --flash FILE")]
     NoFlash,

@@ -271,6 +271,12 @@ fn significance(round: &Round) -> f64 {
     alone.filter(|t| t.gain > 0.0).map(|t| t.evidence[0].z()).fold(0.0, f64::max)
 }
 
+/// Highest frequency that windows of a half-width, s, let pass, Hz. The transform of (1 − s²)³ falls to a half at 2.4
+/// radians in a half-width.
+pub fn bandwidth_hz(half_width_s: f64) -> f64 {
+    2.4 / (std::f64::consts::TAU * half_width_s)
+}
+
 fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) -> Option<Remainder> {
     let left = rms(&own.fitted.u.residual);
     let share = left / rms(&form.row_u);
@@ -279,8 +285,7 @@ fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) ->
         predictable,
         rms_u: left,
         share,
-        // The transform of (1 − s²)³ falls to a half at 2.4 radians in a half-width.
-        bandwidth_hz: 2.4 / (std::f64::consts::TAU * form.half_width_s),
+        bandwidth_hz: bandwidth_hz(form.half_width_s),
         over_noise: left / noise.max(f64::MIN_POSITIVE),
         significance: own.rounds.last().map_or(0.0, significance),
     })

@@ -10,6 +10,7 @@ use crate::discover::data::Data;
 use crate::discover::gap::{Gap, open_loop_squares, root_mean};
 use crate::discover::outcome::{CandidateRow, NamedEffect, Rival, Rung, Verdict};
 use crate::discover::progress::{Progress, Watch};
+use crate::discover::{drive_free, force_residual};
 use crate::fit::{Covariance, Fit};
 
 /// Two fits that the recordings do not tell apart.
@@ -124,5 +125,7 @@ pub(in crate::discover) fn rung(data: &Data, fit: &Fit) -> Rung {
         fit_rmse: root_mean(&fit.mse),
         holdout_rmse: root_mean(&score),
         holdout_open_loop_rmse: (square / count.max(1) as f64).sqrt(),
+        force_residual: force_residual::shares(data, &fit.candidate),
+        drive_free_rmse: drive_free::error(data),
     }
 }

@@ -4,7 +4,8 @@ use super::Place;
 use crate::recording::TimeUnit;
 
 /// Why a clock cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum ClockError {
     /// Time goes back so often that the rows are in no order of time.

@@ -1,7 +1,7 @@
 //! Where in a file something is wrong.
 
 /// A place in a recording's file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Place {
     /// The file's name as it was given.
     pub file: String,

@@ -1,7 +1,8 @@
 //! What can be wrong with recordings that are used together.
 
 /// Why recordings are not one session.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum SessionError {
     /// No recording of a session moves.

@@ -18,7 +18,15 @@ fn parameter(symbol: &'static str, unit: &str, meaning: &'static str, value: f64
 fn rung(effects: &[Kind], errors: [f64; 3]) -> Rung {
     let [fit_rmse, holdout_rmse, holdout_open_loop_rmse] = errors;
     let base = Base { b: 0.026_85, c: 0.1102, f1: 0.4987 };
-    Rung { effects: effects.to_vec(), base, fit_rmse, holdout_rmse, holdout_open_loop_rmse }
+    Rung {
+        effects: effects.to_vec(),
+        base,
+        fit_rmse,
+        holdout_rmse,
+        holdout_open_loop_rmse,
+        force_residual: Some([0.05, 0.051]),
+        drive_free_rmse: Some(0.08),
+    }
 }
 
 fn candidate(kind: Kind, numbers: [f64; 3], fate: &str) -> CandidateRow {
