@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use breakaway_core::link::{Command, Event, Message};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::console;
@@ -61,8 +62,8 @@ pub struct Args {
     pub monitor: MonitorArgs,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     recording: String,
     samples: u64,
     seconds: f64,

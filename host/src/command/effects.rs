@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::Kind;
 use breakaway_core::plant::effect::{ActsIn, Definition, Parameter, Relation};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::UsageError;
@@ -33,12 +34,12 @@ pub struct Args {
 }
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     effects: Vec<Entry>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 #[allow(clippy::struct_excessive_bools, reason = "as the definition has them")]
 struct Entry {
     name: &'static str,
@@ -60,13 +61,13 @@ struct Entry {
     definition: &'static Definition,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Beside {
     name: &'static str,
     why: &'static str,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Quantity {
     symbol: &'static str,
     role: &'static str,

@@ -1,10 +1,11 @@
 //! An error as a JSON document (docs/formats.md, "Errors").
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
 use super::UsageError;
-use super::output::SCHEMA_VERSION;
+use super::output::versioned;
 use crate::control::ControlError;
 use crate::device::DeviceError;
 use crate::device::set_points::LineError;
@@ -20,7 +21,7 @@ use crate::simulate::SimulateError;
 use crate::sine::SineFitError;
 
 /// What could not be done.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Failure {
     /// Name of the error, in snake case: `wrong_column`, `not_found`, `usage`; `other` for one without a name.
     pub kind: String,
@@ -37,10 +38,9 @@ pub struct Failure {
 }
 
 /// The document.
-#[derive(Serialize)]
-struct Document<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(in crate::command) struct Document<'a> {
     error: &'a Failure,
-    schema_version: u32,
 }
 
 impl Failure {
@@ -76,7 +76,9 @@ impl Failure {
 
     /// Writes the document to standard output.
     pub fn print(&self) {
-        if let Ok(text) = serde_json::to_string_pretty(&Document { error: self, schema_version: SCHEMA_VERSION }) {
+        let document =
+            versioned(&Document { error: self }).and_then(|document| serde_json::to_string_pretty(&document));
+        if let Ok(text) = document {
             println!("{text}");
         }
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use breakaway_core::plant::Base;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::output::Output;
@@ -39,7 +40,7 @@ pub struct Args {
     pub columns: RecordingArgs,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Row {
     name: &'static str,
     b: Quantity,
@@ -50,14 +51,14 @@ struct Row {
     holdout: Option<f64>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Missing {
     parameter: &'static str,
     advice: String,
 }
 
 /// Two models' prediction of held-out blocks.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct HeldOut {
     blocks: usize,
     /// Error of what is not reported, or of the base, over the error of what is, or of the base with gravity.
@@ -65,7 +66,7 @@ struct HeldOut {
     t: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Gravity {
     travel_rad: f64,
     #[serde(flatten)]
@@ -74,8 +75,8 @@ struct Gravity {
 }
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     b: Quantity,
     c: Quantity,
     f1: Quantity,

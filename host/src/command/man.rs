@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::CommandFactory;
 use clap_mangen::Man;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Cli;
@@ -26,8 +27,8 @@ pub struct Args {
     pub output: Option<PathBuf>,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]

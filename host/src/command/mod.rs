@@ -18,6 +18,7 @@ pub mod port_args;
 pub mod progress;
 pub mod recording_args;
 pub mod run;
+pub mod schema;
 pub mod session;
 pub mod simulate;
 pub mod sinefit;

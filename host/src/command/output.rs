@@ -84,7 +84,7 @@ impl Output {
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// The document with its version, and with the warnings of this run among its remarks.
-fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
+pub(super) fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(document)?;
     if let Value::Object(fields) = &mut value {
         let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", text));

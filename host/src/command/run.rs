@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use breakaway_core::link::{self, BAUD, Limit};
 use breakaway_core::plant::Base;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::output::Output;
@@ -94,15 +95,15 @@ pub fn papers_plant() -> Model {
     }
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     breakaway: Option<f64>,
     recordings: Vec<Entry>,
     #[serde(skip)]
     units: Units,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Entry {
     file: String,
     role: &'static str,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::output::Output;
@@ -26,8 +27,8 @@ pub struct Args {
     pub output: Target,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     recording: String,
     samples: usize,
     travel_limit_tripped: bool,

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::output::Output;
@@ -36,8 +37,8 @@ pub struct Args {
 }
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     amplitude: f64,
     omega: f64,
     phase: f64,
@@ -48,7 +49,7 @@ struct Document {
     cycles: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Errors {
     amplitude: f64,
     omega: f64,

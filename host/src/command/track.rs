@@ -1,7 +1,7 @@
 //! `breakaway track`.
 
 pub mod board;
-mod follow;
+pub(in crate::command) mod follow;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use breakaway_core::control::{Controller, Setpoint};
 use breakaway_core::link::BAUD;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::UsageError;
@@ -103,8 +104,8 @@ pub struct Args {
     pub tuning: TuneArgs,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     reference: String,
     plant: String,
     tick_s: f64,
@@ -115,7 +116,7 @@ struct Document {
     units: Units,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Row {
     name: &'static str,
     rms: f64,

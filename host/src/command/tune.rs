@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use breakaway_core::control::{Compensator, Estimates};
 use breakaway_core::plant::Kind;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::output::Output;
@@ -85,8 +86,8 @@ impl TuneArgs {
     }
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     gains: GainsRow,
     margins: Option<MarginsRow>,
     count: Option<CountRow>,
@@ -99,7 +100,7 @@ struct Document {
     units: Units,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct GainsRow {
     b: f64,
     kv: f64,
@@ -112,7 +113,7 @@ struct GainsRow {
     derivative: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct MarginsRow {
     gain: f64,
     gain_reduction: f64,
@@ -122,14 +123,14 @@ struct MarginsRow {
 }
 
 /// What one count of the encoder makes of the drive.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct CountRow {
     drive: f64,
     largest: f64,
     bandwidth_hz: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct CompensatorRow {
     on: bool,
     lead_s: f64,
@@ -137,7 +138,7 @@ struct CompensatorRow {
     leaves_out: Vec<&'static str>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Four {
     b: f64,
     c: f64,
@@ -151,7 +152,7 @@ impl From<Estimates<f64>> for Four {
     }
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct AdaptiveRow {
     start: Four,
     gains: Four,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use breakaway_core::link::{DriveUnit, FULL_SCALE_CODE, PositionUnit, Settings};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::console;
@@ -67,8 +68,8 @@ pub struct Args {
     pub inject: Vec<Injection>,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     port: String,
     board: &'static str,
     tick_hz: u32,

@@ -73,11 +73,12 @@ pub struct Case {
 }
 
 /// What a board adds to a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct OnBoard {
     /// Samples lost on the way.
     pub missing: u64,
     /// What its drift watch said.
+    #[schemars(with = "Vec<serde_json::Value>")]
     pub mismatches: Vec<Mismatch>,
 }
 

@@ -1,10 +1,11 @@
 //! A machine's row of the table.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
 /// A machine's row: a result, or the reason why there is none.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Row {
     /// Name of its folder.
     pub machine: String,

@@ -18,7 +18,7 @@ const STUCK: &str = "no motion: noise set the relays against each other before t
      − h2| does not break it away. Make |h1 − h2| larger than the break-away force, or start again";
 
 /// A limit cycle's numbers, means over its last three cycles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CycleNumbers {
     /// Period, s.
     pub period_s: f64,
@@ -37,7 +37,7 @@ pub struct CycleNumbers {
 }
 
 /// How a run ended.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum RelayReport {
     /// In a symmetric limit cycle.

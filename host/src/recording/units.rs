@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::header::Header;
 
 /// Units of the drive and of the position, as the user calls them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Units {
     /// Drive unit, e.g. `V` or `A`; `u` where it is not known.
     pub u: String,

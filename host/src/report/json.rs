@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::remark::RemarkJson;
@@ -9,7 +10,7 @@ use crate::discover::outcome::{Discovery, Force, NamedEffect, NextExperiment, Ru
 use crate::simulate::experiment::Experiment;
 
 /// The JSON document of a discovery.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Document<'a> {
     verdict: &'static str,
     sentence: String,
@@ -30,14 +31,14 @@ pub struct Document<'a> {
 }
 
 /// A number with its standard error and unit.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub(crate) struct Quantity {
     pub value: f64,
     pub se: f64,
     pub unit: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct EffectJson<'a> {
     name: &'static str,
     title: &'static str,
@@ -46,7 +47,7 @@ struct EffectJson<'a> {
     rivals: Vec<RivalJson>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct RivalJson {
     name: &'static str,
     delta: f64,
@@ -55,7 +56,7 @@ struct RivalJson {
 }
 
 /// Measured forces; shares are of the rms of the drive and of the acceleration.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct ForceJson {
     drive_before: f64,
     drive_after: f64,
@@ -85,7 +86,7 @@ impl From<Force> for ForceJson {
 }
 
 /// The measured force that base and final model leave unexplained.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct UnexplainedJson {
     before: UnexplainedForceJson,
     after: UnexplainedForceJson,
@@ -94,7 +95,7 @@ struct UnexplainedJson {
     coordinate: Option<&'static str>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct UnexplainedForceJson {
     rms: f64,
     unit: String,
@@ -103,7 +104,7 @@ struct UnexplainedForceJson {
 }
 
 /// Largest share of the unexplained force that averages over one coordinate explain, cross-validated, 0 to 1.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct BeforeAfterJson {
     before: Option<f64>,
     after: Option<f64>,
@@ -133,7 +134,7 @@ fn unexplained(discovery: &Discovery, force: &Force) -> UnexplainedJson {
     }
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct RungJson {
     effects: Vec<&'static str>,
     fit_rmse: f64,
@@ -144,13 +145,13 @@ struct RungJson {
 }
 
 /// Shares of the rms of the drive.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct ShareJson {
     fit: f64,
     holdout: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct WhereJson<'a> {
     coordinate: &'static str,
     unit: &'a str,
@@ -161,7 +162,7 @@ struct WhereJson<'a> {
     curve_after: &'a [[f64; 3]],
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct CandidateJson<'a> {
     name: &'static str,
     delta: f64,
@@ -170,8 +171,10 @@ struct CandidateJson<'a> {
     fate: &'a str,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct NextJson<'a> {
+    /// As in an experiment's file.
+    #[schemars(with = "serde_json::Value")]
     experiment: &'a Experiment,
     /// The same as `breakaway run` takes it; JSON has no infinity for a limit that is not set.
     toml: Option<String>,
@@ -179,13 +182,13 @@ struct NextJson<'a> {
     difference_over_noise: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct InputJson<'a> {
     file: &'a str,
     sha256: &'a str,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct ProvenanceJson<'a> {
     inputs: Vec<InputJson<'a>>,
     version: &'a str,

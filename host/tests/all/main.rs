@@ -11,6 +11,7 @@ mod identify_choice;
 mod identify_data;
 mod inputs;
 mod json_errors;
+mod json_schema;
 mod measured;
 mod messages;
 mod model;

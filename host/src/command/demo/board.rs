@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use breakaway_core::plant::Effect;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Args, hidden, session, write};
@@ -38,8 +39,8 @@ const BANDWIDTH_HZ: f64 = 6.0;
 /// A slow sine with its reversals.
 const REFERENCE: Reference = Reference::Sine { amplitude: 1.0, frequency_hz: 0.1 };
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     hidden: &'static str,
     found: Vec<&'static str>,
     verdict: &'static str,
@@ -55,7 +56,7 @@ struct Document {
     unit: String,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Row {
     name: &'static str,
     #[serde(skip)]

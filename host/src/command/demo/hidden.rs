@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use breakaway_core::plant::{Effect, Kind};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{SENSOR, session, write};
@@ -27,7 +28,7 @@ const HIDDEN: [(Kind, &[f64]); 7] = [
 ];
 
 /// What the second half found.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Hunt {
     /// Name of what was hidden.
     pub hidden: &'static str,

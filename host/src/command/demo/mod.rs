@@ -1,6 +1,6 @@
 //! `breakaway demo`: the story on a simulated axis, from the relay experiment to the model, to a hidden effect named.
 
-mod board;
+pub(in crate::command) mod board;
 mod folder;
 mod hidden;
 mod session;
@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use breakaway_core::plant::{Base, Effect};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::identify::model;
@@ -57,8 +58,8 @@ const SENSOR: Sensor = Sensor { encoder_step: std::f64::consts::TAU / 8000.0, no
 const RELAYS: [(f64, f64, f64); 2] = [(2.0, 1.5, 10.0), (1.0, 0.7, 6.0)];
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     page: String,
     model: String,
     recordings: Vec<String>,
@@ -74,7 +75,7 @@ struct Document {
     story: Vec<String>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct CycleJson {
     h1: f64,
     h2: f64,
@@ -84,7 +85,7 @@ struct CycleJson {
     omega_se: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Quantity {
     value: f64,
     se: f64,

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use breakaway_core::link::{Command, FaultRecord, Identified, Info, Reply, Settings};
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -26,7 +27,7 @@ pub struct Board {
     pub output: Output,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct Done {
     done: &'static str,
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::json;
 
@@ -36,8 +37,8 @@ pub struct Fleet<'a> {
     pub columns: &'a RecordingArgs,
 }
 
-#[derive(Debug, Serialize)]
-struct Document<'a> {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document<'a> {
     machines: &'a [Row],
     done: usize,
     skipped: usize,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use breakaway_core::link::Message;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Args, board};
@@ -47,7 +48,7 @@ pub struct FollowArgs {
 }
 
 /// Who follows.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
     /// The PID alone
@@ -58,8 +59,8 @@ pub enum Law {
     Model,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::command) struct Document {
     source: String,
     law: Law,
     set_points: u64,
