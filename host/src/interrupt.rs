@@ -48,6 +48,11 @@ pub fn finish_first() -> FinishFirst {
 }
 
 impl FinishFirst {
+    /// As if Ctrl-C had come: a terminal in raw mode makes a key of it.
+    pub fn request(&self) {
+        REQUESTED.store(true, Ordering::SeqCst);
+    }
+
     /// Whether Ctrl-C has come.
     pub fn requested(&self) -> bool {
         REQUESTED.load(Ordering::SeqCst)

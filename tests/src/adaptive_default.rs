@@ -68,7 +68,7 @@ impl Adapted {
             plant.advance(&mut motion, Drive { u: &[pending], ts: TICK_S, t }, 1);
             let reading = ((motion.x / STEP).round() * STEP) as f32;
             let reference = sine.at(k);
-            pending = f64::from(controller.tick(&mut state, reference, reading).u);
+            pending = f64::from(controller.tick(&mut state, reference, reading).expect("a drive").u);
             f64::from(reference.x) - motion.x
         });
         let errors = errors.collect();

@@ -85,7 +85,7 @@ impl Trial {
             if watched.is_calibrated(&watch) {
                 found.ready_s = found.ready_s.min(t);
             }
-            pending = f64::from(controller.tick(&mut state, sine.at(k), reading).u);
+            pending = f64::from(controller.tick(&mut state, sine.at(k), reading).expect("a drive").u);
         }
         found
     }

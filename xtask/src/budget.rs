@@ -25,9 +25,9 @@ const ICOUNT: &str = "shift=10,sleep=off";
 const LIMITS: [(&str, u64, &str); 5] = [
     ("relay_tick_mean", 400, "instructions"),
     ("adaptive_tick_mean", 600, "instructions"),
-    ("ram_bytes", 16 * 1024, "bytes"),
-    ("nucleo_flash_bytes", 72 * 1024, "bytes"),
-    ("nucleo_ram_bytes", 16 * 1024, "bytes"),
+    ("ram_bytes", 24 * 1024, "bytes"),
+    ("nucleo_flash_bytes", 96 * 1024, "bytes"),
+    ("nucleo_ram_bytes", 24 * 1024, "bytes"),
 ];
 
 #[derive(Debug, Default, Serialize, Deserialize)]

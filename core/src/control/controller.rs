@@ -70,14 +70,17 @@ impl<R: Fast> Controller<R> {
         Self { compensator: Some(compensator), ..self }
     }
 
-    /// One tick: the drive for a reference and the measured position `x`.
+    /// One tick: the drive for a reference and the measured position `x`. `None` where the drive is not a finite number.
     #[inline]
-    pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> LimitedDrive<R> {
+    pub fn tick(&self, state: &mut ControllerState<R>, reference: Setpoint<R>, x: R) -> Option<LimitedDrive<R>> {
         self.tick_from(state, reference, x, R::ZERO)
     }
 
     /// The same where `reference` and `x` are counted from `origin`, the place (X) at which the model has its zero
     /// being 0. So an error keeps its digits far from there, and effects of the position stay where they are.
+    ///
+    /// A reference or a reading that is not finite, or a state that has overflowed, makes a drive that is none. The
+    /// result is then `None`. Nothing may be driven, and the state is of no use any more: the run is over.
     #[inline]
     pub fn tick_from(
         &self,
@@ -85,7 +88,7 @@ impl<R: Fast> Controller<R> {
         reference: Setpoint<R>,
         x: R,
         origin: R,
-    ) -> LimitedDrive<R> {
+    ) -> Option<LimitedDrive<R>> {
         let placed = Setpoint { x: reference.x + origin, ..reference };
         let compensator = self.compensator.as_ref().filter(|compensator| compensator.is_on());
         let (mut u, limit) = match &self.law {
@@ -102,26 +105,24 @@ impl<R: Fast> Controller<R> {
         if let Some(feed) = compensator {
             u = feed.inverse(u, reference.v);
         }
-        // A comparison that is false for NaN: what is no number counts as saturated, and drives nothing.
+        // A comparison that is false for NaN.
         if u.abs() <= limit {
             match &self.law {
                 ControlLaw::Pid(pid) => pid.update(&mut state.pid),
                 ControlLaw::Adaptive(law) => law.update(&mut state.adaptive),
             }
-            return LimitedDrive { u, saturated: false };
+            return Some(LimitedDrive { u, saturated: false });
         }
-        let cut = if u > limit {
-            limit
-        } else if u < -limit {
-            -limit
-        } else {
-            return LimitedDrive { u: R::ZERO, saturated: true };
-        };
+        // An infinite drive too: its excess would make the integral infinite, and the next drive NaN.
+        if !u.is_finite() {
+            return None;
+        }
+        let cut = if u > limit { limit } else { -limit };
         match &self.law {
             ControlLaw::Pid(pid) => pid.cut(&mut state.pid, cut - u),
             ControlLaw::Adaptive(law) => law.cut(&mut state.adaptive, cut - u),
         }
-        LimitedDrive { u: cut, saturated: true }
+        Some(LimitedDrive { u: cut, saturated: true })
     }
 }
 

@@ -14,7 +14,7 @@
 //! let controller = Controller::pid(Pid::<f32>::new(&gains, 1e-3, 12.0)?);
 //! let mut state = ControllerState::start(&controller);
 //! let reference = Trajectory::Sine(Sine::<f32>::new(1.0, 0.5, 1e-3).unwrap());
-//! let command = controller.tick(&mut state, reference.at(0), 0.0);
+//! let command = controller.tick(&mut state, reference.at(0), 0.0).unwrap();
 //! assert!(!command.saturated);
 //! # Ok::<(), breakaway_core::control::TuningError>(())
 //! ```
@@ -38,7 +38,7 @@ pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWat
 pub use fast::Fast;
 pub use margins::{Margins, margins};
 pub use pid::{Pid, PidState};
-pub use trajectory::{Phases, Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
+pub use trajectory::{Cubic, CubicRange, Phases, Profile, Samples, Setpoint, Sine, Trajectory, TrajectoryError};
 pub use tuning::{
     Gains, Resolution, TuningError, encoder_bandwidth_hz, largest_bandwidth_hz, largest_rate, tune, tune_behind,
 };

@@ -2,10 +2,12 @@
 //!
 //! All are functions of the tick number alone, so they need no state and do not drift; the caller counts.
 
+mod cubic;
 mod profile;
 mod samples;
 mod sine;
 
+pub use cubic::{Cubic, CubicRange};
 pub use profile::{Phases, Profile};
 pub use samples::Samples;
 pub use sine::Sine;

@@ -30,6 +30,8 @@ pub enum CommandError {
     OutsideTravel,
     /// The travel limits are saved ones, and the count starts where the axis stood at the reset: home or zero it first.
     NotZeroed,
+    /// No set-points are wanted: no run along them is under way.
+    NotFollowing,
 }
 
 says! { CommandError:
@@ -44,6 +46,7 @@ says! { CommandError:
     Self::FaultPersists => "the cause of the fault is still there; remove it first",
     Self::OutsideTravel => "the start position is outside the travel limits",
     Self::NotZeroed => "its travel limits mean nothing before it is zeroed: home it, or zero it where it stands",
+    Self::NotFollowing => "it does not follow set-points: the run along them is over, or was not started",
 }
 
 /// A frame that is no valid request.

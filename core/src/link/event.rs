@@ -159,6 +159,8 @@ pub enum Limit {
     Current,
     /// Mean drive (drive codes).
     MeanDrive,
+    /// Without set-points for as long as the run said (ticks).
+    SetPoints,
 }
 
 /// Where measurement and model disagree.

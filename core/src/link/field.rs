@@ -75,4 +75,10 @@ fields! {
     PushTicks "push ticks" "1 or more",
     Filter "filter_s" "finite and at least 0",
     Observer "observer_rad_s" "finite and at least 0",
+    Ahead "ahead" "1 to 31 set-points",
+    HoldTicks "hold_ticks" "1 to 16777216 ticks",
+    SetPointTicks "set-point ticks" "1 to 16777216 ticks after the one before",
+    SetPointPosition "set-point position" "finite, and the way to it within the travel limits",
+    SetPointVelocity "set-point velocity" "finite, and the speed on the way to it within speed_max_counts_per_s",
+    SetPointSequence "set-point sequence" "at most that of the next set-point that the device wants",
 }

@@ -21,7 +21,9 @@ mod info;
 mod model;
 mod reply;
 mod sample;
+mod set_point;
 mod settings;
+mod validate;
 
 pub use command::{
     Adaptive, Bounds, Command, ControllerGains, ErrorRate, OpenLoop, Pid, Push, Reference, Relay, Request, Track,
@@ -35,10 +37,11 @@ pub use info::{DriveUnit, Info, PositionUnit, Text, peer_version};
 pub use model::{EffectId, Model, WireEffect};
 pub use reply::{Estimate, IdentificationVerdict, Identified, Message, Reply, Sine, Status};
 pub use sample::{BATCH_BYTES, Batch, BatchError, BatchWriter, Mode, Sample};
+pub use set_point::{Following, MOST_AHEAD, SET_POINTS, SetPoint, SetPoints};
 pub use settings::{Settings, SettingsError};
 
 /// Version of the messages and frames. Raised with every change of the golden vectors that leaves the house.
-pub const PROTOCOL_VERSION: u16 = 3;
+pub const PROTOCOL_VERSION: u16 = 4;
 /// The baud rate of boards whose link has one.
 pub const BAUD: u32 = 921_600;
 /// The drive code of full drive.

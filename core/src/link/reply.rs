@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Batch, CommandError, Event, FaultRecord, Info, Mode, Model, Settings};
+use super::{Batch, CommandError, Event, FaultRecord, Following, Info, Mode, Model, Settings};
 use crate::estimate::modulating::{Parameter, Refusal};
 
 /// A message of the device.
@@ -53,6 +53,8 @@ pub enum Reply {
     Fault(Option<FaultRecord>),
     /// To `Identify`.
     Identified(Identified),
+    /// To `SetPoints`.
+    Following(Following),
 }
 
 /// What the device is doing.

@@ -88,7 +88,7 @@ pub fn adaptive() -> Adaptive {
 pub const PROFILE: Trajectory =
     Trajectory::Profile { distance: 2.0, jerk_ticks: 27, acceleration_ticks: 161, cruise_ticks: 1146, rest_ticks: 500 };
 
-pub fn tracks() -> [Track; 6] {
+pub fn tracks() -> [Track; 7] {
     let error_rate = ErrorRate { filter_s: 0.002, observer_rad_s: 0.0 };
     let pid = ControllerGains::Pid(Pid { kp: 20.0, ki: 100.0, kd: 0.5, error_rate });
     let track = |trajectory, controller| Track {
@@ -105,7 +105,20 @@ pub fn tracks() -> [Track; 6] {
         track(Trajectory::Step { distance: -1.0 }, pid),
         track(Trajectory::MinimumJerk { distance: 1.5, duration_s: 0.75 }, pid),
         track(PROFILE, pid),
+        track(Trajectory::Follow { ahead: 4, hold_ticks: 5_000 }, pid),
     ]
+}
+
+/// Set-points as many as a command holds, as long as they can be.
+pub fn longest_set_points() -> SetPoints {
+    let point = SetPoint { ticks: 1 << 24, position: f32::MIN, velocity: f32::MAX };
+    SetPoints { sequence: u32::MAX, last: true, points: std::iter::repeat_n(point, SET_POINTS).collect() }
+}
+
+pub fn set_points() -> SetPoints {
+    let point = |ticks, position, velocity| SetPoint { ticks, position, velocity };
+    let points = [point(100, 0.5, 2.0), point(300, -1.0, 0.0)].into_iter().collect();
+    SetPoints { sequence: 1_000, last: true, points }
 }
 
 pub fn commands() -> Vec<(String, Command)> {
@@ -131,6 +144,7 @@ pub fn commands() -> Vec<(String, Command)> {
         ("zero", Command::Zero { count: -1_234 }),
         ("jog", Command::Jog(push())),
         ("home", Command::Home { push: push(), at: 40_960 }),
+        ("set_points", Command::SetPoints(set_points())),
     ]
     .map(|(name, command)| (name.to_owned(), command))
     .into();
@@ -201,6 +215,7 @@ pub fn replies() -> Vec<(String, Reply)> {
         ("fault", Reply::Fault(Some(fault()))),
         ("no fault", Reply::Fault(None)),
         ("identified", Reply::Identified(identified())),
+        ("following", Reply::Following(Following { next: 1_002, room: 29, dry: 3 })),
     ]
     .map(|(name, reply)| (name.to_owned(), reply))
     .into();
@@ -216,6 +231,7 @@ pub fn replies() -> Vec<(String, Reply)> {
         CommandError::FaultPersists,
         CommandError::OutsideTravel,
         CommandError::NotZeroed,
+        CommandError::NotFollowing,
     ];
     list.extend(errors.into_iter().map(|error| (format!("error {error:?}"), Reply::Error(error))));
     list

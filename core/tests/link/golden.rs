@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::examples;
 
 /// Version and fingerprint of every wire format there has been, the present one last.
-const HISTORY: &[(u16, u32)] = &[(1, 0x5214_160a), (2, 0x339b_64f8), (3, 0x6fef_c601)];
+const HISTORY: &[(u16, u32)] = &[(1, 0x5214_160a), (2, 0x339b_64f8), (3, 0x6fef_c601), (4, 0x5c2c_3251)];
 
 const CHANGED: &str = "the wire format has changed. If version PROTOCOL_VERSION has left the house, raise it \
     (core/src/link/mod.rs). Then write the vectors anew (BLESS=1 cargo test -p breakaway-core --test link), read their \
@@ -47,7 +47,11 @@ fn vectors() -> String {
     text.push_str("# Every value of the enumerations that stand alone.\n");
     all(&mut text, "mode", &[Mode::Idle, Mode::Relay, Mode::Drive, Mode::Track, Mode::Hold, Mode::Fault]);
     all(&mut text, "shape", &[Shape::Still, Shape::Sine, Shape::Triangle, Shape::Ramp, Shape::Table]);
-    all(&mut text, "limit", &[Limit::Travel, Limit::Bound, Limit::Speed, Limit::Current, Limit::MeanDrive]);
+    all(
+        &mut text,
+        "limit",
+        &[Limit::Travel, Limit::Bound, Limit::Speed, Limit::Current, Limit::MeanDrive, Limit::SetPoints],
+    );
     all(&mut text, "unit", &PositionUnit::ALL);
     all(&mut text, "unit", &DriveUnit::ALL);
     all(&mut text, "cause", &FaultCause::ALL);
@@ -108,7 +112,7 @@ fn the_page_explains_golden_bytes() {
             None => {}
         }
     }
-    assert_eq!(explained, 6);
+    assert_eq!(explained, 8);
 }
 
 #[test]

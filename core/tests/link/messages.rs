@@ -39,6 +39,7 @@ fn the_longest_messages_fit() {
     encode(&Request { id, command: Command::LoadModel(model.clone()) }, &mut frame).unwrap();
     encode(&Message::Reply { id, reply: Reply::Model(Some(model)) }, &mut frame).unwrap();
     encode(&Message::Samples(full), &mut frame).unwrap();
+    encode(&Request { id, command: Command::SetPoints(examples::longest_set_points()) }, &mut frame).unwrap();
     let long = examples::text("123456789012345678901234");
     let info = Info { firmware: long.clone(), build: long.clone(), board: long, tick_hz: u32::MAX, ..examples::info() };
     encode(&Message::Reply { id, reply: Reply::Info(info) }, &mut frame).unwrap();
@@ -91,7 +92,7 @@ fn command_errors_name_the_field() {
     let relay = examples::relay();
     let reference = Reference { phase_step: u32::MAX, ..relay.reference };
     let drive = examples::drive();
-    let [_, adaptive, _, step, _, _] = examples::tracks();
+    let [_, adaptive, _, step, _, _, _] = examples::tracks();
     let error_rate = ErrorRate::default();
     let pid = |kp, ki, kd| Track { controller: ControllerGains::Pid(Pid { kp, ki, kd, error_rate }), ..adaptive };
     let sine = |amplitude, period_s| Track { trajectory: Trajectory::Sine { amplitude, period_s }, ..step };
@@ -99,6 +100,14 @@ fn command_errors_name_the_field() {
         let trajectory =
             Trajectory::Profile { distance: 1.0, jerk_ticks, acceleration_ticks, cruise_ticks: 9, rest_ticks };
         Command::StartTrack(Track { trajectory, ..step })
+    };
+    let follow = |ahead, hold_ticks| {
+        let trajectory = Trajectory::Follow { ahead, hold_ticks };
+        Command::StartTrack(Track { trajectory, ..step })
+    };
+    let point = |ticks, position, velocity| {
+        let points = [SetPoint { ticks, position, velocity }].into_iter().collect();
+        Command::SetPoints(SetPoints { points, ..SetPoints::default() })
     };
     let law = |change: fn(&mut Adaptive)| {
         let mut gains = examples::adaptive();
@@ -131,6 +140,14 @@ fn command_errors_name_the_field() {
         (profile(1 << 28, 0, 0), Field::TrajectoryTime),
         (profile(u32::MAX, u32::MAX, 0), Field::TrajectoryTime),
         (profile(1, 0, 1 << 30), Field::TrajectoryTime),
+        (follow(0, 1), Field::Ahead),
+        (follow(32, 1), Field::Ahead),
+        (follow(31, 0), Field::HoldTicks),
+        (follow(1, (1 << 24) + 1), Field::HoldTicks),
+        (point(0, 0.0, 0.0), Field::SetPointTicks),
+        (point((1 << 24) + 1, 0.0, 0.0), Field::SetPointTicks),
+        (point(1, f32::NAN, 0.0), Field::SetPointPosition),
+        (point(1, 0.0, f32::INFINITY), Field::SetPointVelocity),
         (law(|g| g.kv = 0.0), Field::Kv),
         (law(|g| g.lambda1 = f32::NAN), Field::Lambda1),
         (law(|g| g.lambda2 = -1.0), Field::Lambda2),

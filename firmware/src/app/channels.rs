@@ -6,8 +6,10 @@ use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultRecord, Sam
 use heapless_spsc::spsc::{Consumer, Producer, Queue};
 
 use super::accumulate::{Accumulation, SineConfig, Sums};
+use super::control::ControlPlan;
 use super::guard::Guards;
 use super::run::RunOrder;
+use super::set_points::{SetPointInlet, SetPointOutlet, SetPointQueue};
 
 /// Samples that wait for the thread; one less fits. 6 ms at 10 kHz; a power of two, whose remainder is a mask.
 pub const SAMPLE_QUEUE: usize = 64;
@@ -58,25 +60,27 @@ pub enum TickEvent<'a> {
 }
 
 /// The queues between tick and thread.
-pub struct Channels<'a, P> {
+pub struct Channels<'a, P: ControlPlan> {
     orders: Queue<Order<'a>, ORDER_QUEUE>,
     runs: Queue<(RunOrder<P>, Bounds), RUN_QUEUE>,
     events: Queue<TickEvent<'a>, EVENT_QUEUE>,
     samples: Queue<Sample, SAMPLE_QUEUE>,
+    set_points: SetPointQueue<P::Knot>,
     alive: AtomicBool,
 }
 
 /// The tick's end.
-pub struct TickEnd<'q, 'a, P> {
+pub struct TickEnd<'q, 'a, P: ControlPlan> {
     pub(super) orders: Consumer<'q, Order<'a>, ORDER_QUEUE>,
     pub(super) runs: Consumer<'q, (RunOrder<P>, Bounds), RUN_QUEUE>,
     pub(super) events: Producer<'q, TickEvent<'a>, EVENT_QUEUE>,
     pub(super) samples: Producer<'q, Sample, SAMPLE_QUEUE>,
+    pub(super) set_points: SetPointOutlet<'q, P::Knot>,
     alive: &'q AtomicBool,
 }
 
 /// The thread's end.
-pub struct AppEnd<'q, 'a, P> {
+pub struct AppEnd<'q, 'a, P: ControlPlan> {
     /// Orders to the tick.
     pub orders: Producer<'q, Order<'a>, ORDER_QUEUE>,
     /// Runs to start, which the tick takes after all orders. Each is answered.
@@ -85,10 +89,12 @@ pub struct AppEnd<'q, 'a, P> {
     pub events: Consumer<'q, TickEvent<'a>, EVENT_QUEUE>,
     /// Samples from the tick.
     pub samples: Consumer<'q, Sample, SAMPLE_QUEUE>,
+    /// Set-points to the tick, once a run along them is answered.
+    pub set_points: SetPointInlet<'q, P::Knot>,
     alive: &'q AtomicBool,
 }
 
-impl<P> Channels<'_, P> {
+impl<P: ControlPlan> Channels<'_, P> {
     /// Empty queues.
     #[must_use]
     pub const fn new() -> Self {
@@ -97,33 +103,35 @@ impl<P> Channels<'_, P> {
             runs: Queue::new(),
             events: Queue::new(),
             samples: Queue::new(),
+            set_points: SetPointQueue::new(),
             alive: AtomicBool::new(false),
         }
     }
 }
 
-impl<'a, P> Channels<'a, P> {
+impl<'a, P: ControlPlan> Channels<'a, P> {
     /// Both ends.
     pub fn split(&mut self) -> (TickEnd<'_, 'a, P>, AppEnd<'_, 'a, P>) {
         let (to_tick, orders) = self.orders.split();
         let (to_start, runs) = self.runs.split();
         let (events, from_tick) = self.events.split();
         let (samples, recorded) = self.samples.split();
+        let (points, due) = self.set_points.split();
         let alive = &self.alive;
         (
-            TickEnd { orders, runs, events, samples, alive },
-            AppEnd { orders: to_tick, runs: to_start, events: from_tick, samples: recorded, alive },
+            TickEnd { orders, runs, events, samples, set_points: due, alive },
+            AppEnd { orders: to_tick, runs: to_start, events: from_tick, samples: recorded, set_points: points, alive },
         )
     }
 }
 
-impl<P> Default for Channels<'_, P> {
+impl<P: ControlPlan> Default for Channels<'_, P> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<P> TickEnd<'_, '_, P> {
+impl<P: ControlPlan> TickEnd<'_, '_, P> {
     /// Whether a valid command has arrived since the last call.
     ///
     /// Load and store, no exchange (Cortex-M0 has none): the tick interrupts the thread, never the other way round.
@@ -136,7 +144,7 @@ impl<P> TickEnd<'_, '_, P> {
     }
 }
 
-impl<P> AppEnd<'_, '_, P> {
+impl<P: ControlPlan> AppEnd<'_, '_, P> {
     /// Tells the tick that a valid command has arrived.
     pub fn alive(&self) {
         self.alive.store(true, Ordering::Release);

@@ -1,8 +1,11 @@
 //! Track and Hold: the controllers of [`breakaway_core::control`] along a trajectory, in f32 or, on a core without an FPU, in Q32.
 
 use breakaway_core::control::{Controller, ControllerState, Fast, Profile, Setpoint, Sine};
+use breakaway_core::link::Ending;
 
-use super::control::PositionController;
+use super::control::{ControlPlan, PositionController};
+use super::follow::{FollowRules, Follower, Knot};
+use super::set_points::SetPointOutlet;
 
 /// A reference relative to the start, position units.
 #[derive(Clone, Copy, Debug)]
@@ -35,13 +38,16 @@ pub enum Path<R> {
     },
     /// There and back within limits of speed, acceleration and jerk, without end.
     Profile(Profile<R>),
+    /// Set-points as they come.
+    Follow(FollowRules),
 }
 
 impl<R: Fast> Path<R> {
     /// The reference at tick `k`.
     fn at(&self, k: u32) -> Setpoint<R> {
         match *self {
-            Self::Hold => Setpoint::default(),
+            // What is sent is not a function of the tick.
+            Self::Hold | Self::Follow(_) => Setpoint::default(),
             Self::Sine(ref sine) => sine.at(k),
             Self::Profile(ref profile) => profile.at(k),
             Self::Step(x) => Setpoint { x, v: R::ZERO, a: R::ZERO },
@@ -89,6 +95,7 @@ struct Running<R> {
     state: ControllerState<R>,
     /// Where it started, position units: what of the model depends on the position is evaluated there.
     origin: R,
+    follower: Follower<R>,
     k: u32,
     saturated: u32,
 }
@@ -105,23 +112,27 @@ impl<R> Default for TrackController<R> {
     }
 }
 
+impl<R: Fast> ControlPlan for TrackPlan<R> {
+    type Knot = Knot<R>;
+}
+
 impl<R: Fast> PositionController for TrackController<R> {
     type Plan = TrackPlan<R>;
 
     fn start(&mut self, plan: &TrackPlan<R>, count: i32) {
         let origin = R::from_i32(count) * plan.position_per_count;
-        self.running =
-            Some(Running { plan: *plan, state: ControllerState::start(&plan.law), origin, k: 0, saturated: 0 });
+        let (state, follower) = (ControllerState::start(&plan.law), Follower::new());
+        self.running = Some(Running { plan: *plan, state, origin, follower, k: 0, saturated: 0 });
     }
 
-    fn tick(&mut self, distance: i32) -> Option<(i32, i32)> {
-        let Running { plan, state, origin, k, saturated } = self.running.as_mut()?;
-        let reference = plan.path.at(*k);
+    fn tick(&mut self, distance: i32, points: &mut SetPointOutlet<'_, Knot<R>>) -> Option<(i32, i32)> {
+        let Running { plan, state, origin, follower, k, saturated } = self.running.as_mut()?;
+        let reference = match plan.path {
+            Path::Follow(rules) => follower.tick(rules, points)?,
+            ref path => path.at(*k),
+        };
         *k = k.saturating_add(1);
-        let command = plan.law.tick_from(state, reference, R::from_i32(distance) * plan.position_per_count, *origin);
-        if !command.u.is_finite() {
-            return None;
-        }
+        let command = plan.law.tick_from(state, reference, R::from_i32(distance) * plan.position_per_count, *origin)?;
         *saturated = saturated.saturating_add(u32::from(command.saturated));
         Some(((command.u * plan.codes_per_drive).to_i32(), (reference.x * plan.counts_per_position).to_i32()))
     }
@@ -130,8 +141,8 @@ impl<R: Fast> PositionController for TrackController<R> {
         self.running.as_ref().map_or(0, |running| running.saturated)
     }
 
-    fn finished(&self) -> bool {
-        // A move ends where the next begins: it is held until it is stopped.
-        false
+    fn ending(&self) -> Option<Ending> {
+        // A move ends where the next begins: it is held until it is stopped. Set-points have an end.
+        self.running.as_ref()?.follower.ending
     }
 }

@@ -5,7 +5,10 @@ use breakaway_core::link::{
     Bounds, Command, CommandError, Ending, Event, FaultCause, FaultRecord, Mode, OpenLoop, Reply, Settings, Trajectory,
 };
 use breakaway_core::plant::{Effect, Kind, Plant};
-use breakaway_firmware::app::{Channels, Guards, PositionController, RunOrder, Tick, TickSettings, remember_panic};
+use breakaway_firmware::app::{
+    Channels, ControlPlan, Guards, Path, Planner, PositionController, RunOrder, SetPointOutlet, Tick, TickSettings,
+    TrackController, TrackPlan, remember_panic,
+};
 use breakaway_firmware::board::Trip;
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
@@ -359,38 +362,57 @@ fn a_watchdog_and_a_panic_are_told_after_the_reset() {
 /// A controller that is no longer finite says so by `None`, from its third tick on here.
 struct Lost(u32);
 
+#[derive(Clone)]
+struct LostPlan;
+
+impl ControlPlan for LostPlan {
+    type Knot = ();
+}
+
 impl PositionController for Lost {
-    type Plan = ();
-    fn start(&mut self, (): &(), _: i32) {}
-    fn tick(&mut self, _: i32) -> Option<(i32, i32)> {
+    type Plan = LostPlan;
+    fn start(&mut self, _: &LostPlan, _: i32) {}
+    fn tick(&mut self, _: i32, _: &mut SetPointOutlet<'_, ()>) -> Option<(i32, i32)> {
         self.0 += 1;
         (self.0 < 3).then_some((5000, 0))
     }
     fn saturated(&self) -> u32 {
         0
     }
-
-    fn finished(&self) -> bool {
-        false
-    }
 }
 
 #[test]
 fn a_controller_that_is_not_finite() {
+    assert_eq!(five_ticks(Lost(0), LostPlan), ([5000, 5000, 0, 0, 0], Mode::Fault, false));
+}
+
+/// The controller of the boards with a reference that is no number. It drove 0 and went on.
+#[test]
+fn a_reference_that_is_not_finite() {
+    let Command::StartTrack(hold) = track(Trajectory::Hold, pid(), false) else { panic!("a track") };
+    for bad in [f32::NAN, f32::INFINITY] {
+        let controller = TrackController::<f32>::default();
+        let plan = controller.plan(&hold, Some(&model()), &settings(), 1000).unwrap();
+        let plan = TrackPlan { path: Path::Step(bad), ..plan };
+        assert_eq!(five_ticks(controller, plan), ([0; 5], Mode::Fault, false), "{bad}");
+    }
+}
+
+/// Drive codes of the first five ticks of a run, and the mode and the bridge after them.
+fn five_ticks<C: PositionController>(controller: C, plan: C::Plan) -> ([i16; 5], Mode, bool) {
     let world = Bench::new().world;
     let mut channels = Channels::new();
     let (tick_end, mut app_end) = channels.split();
     let guards = Guards::new(&settings(), 1000);
-    let mut tick = Tick::new(world.clone(), Lost(0), tick_end, TickSettings::at_rate(1000), guards);
-    app_end.runs.enqueue((RunOrder::Track(()), Bounds::default())).unwrap();
-    let mut driven = Vec::new();
-    for _ in 0..5 {
+    let mut tick = Tick::new(world.clone(), controller, tick_end, TickSettings::at_rate(1000), guards);
+    assert!(app_end.runs.enqueue((RunOrder::Track(plan), Bounds::default())).is_ok());
+    let driven = [(); 5].map(|()| {
         tick.tick();
-        driven.push(world.0.borrow().drive);
+        let drive = world.0.borrow().drive;
         world.0.borrow_mut().advance();
-    }
-    assert_eq!(driven, [5000, 5000, 0, 0, 0]);
-    assert_eq!((tick.mode(), world.0.borrow().enabled), (Mode::Fault, false));
+        drive
+    });
+    (driven, tick.mode(), world.0.borrow().enabled)
 }
 
 /// What a cut leaves of a frame at the host, bytes without their end, does not swallow the reply after it.

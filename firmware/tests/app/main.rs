@@ -5,6 +5,7 @@ mod drift;
 mod faults;
 mod faults_page;
 mod fixed_point;
+mod follow;
 mod identification;
 mod runs;
 mod track;

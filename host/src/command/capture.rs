@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use breakaway_core::link::{Command, Event, Message};
 use serde::Serialize;
 
+use super::console;
 use super::output::Output;
-use super::port_args::PortArgs;
+use super::port_args::{self, MonitorArgs, PortArgs};
 use super::progress;
 use super::recording_args::positive;
 use crate::device::capture::{Capture, part_of};
@@ -31,6 +32,8 @@ Ctrl-C ends the capture and closes the file properly. Until then the samples are
 recording at every moment. Lost samples are counted and never filled in. The header's `gaps` names
 the rows before which samples are missing, and the estimators cut the recording there.
 
+`breakaway monitor` in another terminal watches, and --monitor in this one. `breakaway device stop` stops what is running.
+
 If the board is unplugged, REC.csv has the samples until then, and the exit code is 1. With --wait the command waits
 for the port to appear before it starts.
 
@@ -49,8 +52,11 @@ pub struct Args {
     #[arg(long, value_name = "S", value_parser = positive)]
     pub seconds: Option<f64>,
     /// Wait for the port to appear
-    #[arg(long)]
+    #[arg(long, requires = "port")]
     pub wait: bool,
+    /// The monitor beside it.
+    #[command(flatten)]
+    pub monitor: MonitorArgs,
 }
 
 #[derive(Debug, Serialize)]
@@ -77,8 +83,8 @@ impl Args {
         let file = output.folder(&self.output, "a file")?;
         output.may_write(file, FileKind::Recording, &[])?;
         let interrupt = finish_first();
-        let port = &self.port.port;
-        if self.wait {
+        self.monitor.check(Some("the port"))?;
+        if let Some(port) = self.port.port.as_ref().filter(|_| self.wait) {
             let spinner = progress::spinner();
             spinner.set_message(format!("waiting for {port}"));
             let there = wait_for(port, || !interrupt.requested());
@@ -87,11 +93,15 @@ impl Args {
                 return Err(DeviceError::Interrupted.into());
             }
         }
-        let (mut client, info) = Client::connect(port, self.port.baud)?;
+        let port = &self.port.resolve()?;
+        let (mut client, info) = Client::connect_alone(port, self.port.baud)?;
+        port_args::shared(client.offer(), port);
         let scale = Scale::new(&info)?;
         let mut capture = Capture::create(&self.output, &info, scale, self.decimation, self.seconds)?;
         let damaged_before = client.counters().bad_frames();
+        let screen = self.monitor.open(port, self.port.baud)?;
         let ended = self.receive(&mut client, &mut capture, &interrupt);
+        drop(screen);
         if !matches!(ended, Err(DeviceError::Unplugged { .. })) {
             // The recording is what counts; a board that cannot be told goes on streaming, which harms nothing.
             let _ = client.done(Command::StreamOff);
@@ -156,7 +166,9 @@ impl Args {
                     return Err(DeviceError::Restarted { port: client.port().to_owned() });
                 }
                 Some(Message::Event(Event::FaultRaised(fault))) => {
-                    spinner.suspend(|| eprintln!("the board reports a fault: {}", text::fault(&fault)));
+                    // Beside the monitor, which shows it, nothing is written.
+                    let text = format!("the board reports a fault: {}", text::fault(&fault));
+                    spinner.suspend(|| console::note(text));
                 }
                 _ if heard.elapsed() > SILENCE => {
                     return Err(DeviceError::Silent {

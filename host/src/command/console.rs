@@ -22,6 +22,11 @@ pub fn set(verbosity: Verbosity) {
     VERBOSITY.store(verbosity as u8, Ordering::Relaxed);
 }
 
+/// How much is said.
+pub fn verbosity() -> Verbosity {
+    [Verbosity::Quiet, Verbosity::Verbose].into_iter().find(|one| is(*one)).unwrap_or(Verbosity::Normal)
+}
+
 fn is(verbosity: Verbosity) -> bool {
     VERBOSITY.load(Ordering::Relaxed) == verbosity as u8
 }
@@ -40,6 +45,13 @@ pub fn is_verbose() -> bool {
 pub fn warn(text: impl Display) {
     if !is(Verbosity::Quiet) {
         eprintln!("warning: {text}");
+    }
+}
+
+/// Says what was chosen.
+pub fn note(text: impl Display) {
+    if !is(Verbosity::Quiet) {
+        eprintln!("{text}");
     }
 }
 

@@ -1,7 +1,9 @@
 //! `breakaway device`.
 
 mod board;
+mod list;
 mod motion;
+mod stop;
 
 use std::path::PathBuf;
 
@@ -26,6 +28,13 @@ use crate::model::Model;
   breakaway device --port /dev/ttyACM0 model load model.toml
   breakaway device --port /dev/ttyACM0 home --drive=-1.2 --at=-0.5
   breakaway device --port /dev/ttyACM0 fault
+  breakaway device list
+  breakaway device stop                            # the only board that answers
+
+`list` says hello at every serial port, all at once. Without --port the only board that answers is used.
+
+Another breakaway process may hold the port. Then the identity, settings, model and faults can still be read. `stop`
+tries three ways: through that process, over the port, and past a program that hangs and holds the port.
 
 Settings and model hold until the next reset; `save` keeps them across resets. The position of the axis is not kept.
 After a reset, a board with saved travel limits therefore runs only `home` and `jog` until it is homed or zeroed.")]
@@ -41,6 +50,8 @@ pub struct Args {
 /// What to do with the board.
 #[derive(clap::Subcommand, Debug)]
 pub enum Action {
+    /// List the serial ports, and which of them answer
+    List,
     /// Show the board, its firmware, tick and scales
     Info,
     /// Show what the board is doing
@@ -139,7 +150,14 @@ impl Args {
             }
             _ => output,
         };
-        let (client, info) = Client::connect(&self.port.port, self.port.baud)?;
+        if matches!(self.action, Action::List) {
+            return list::run(self.port.baud, output);
+        }
+        let port = self.port.resolve()?;
+        if matches!(self.action, Action::Stop) {
+            return stop::run(&port, self.port.baud, output);
+        }
+        let (client, info) = Client::connect(&port, self.port.baud)?;
         let scale = Scale::new(&info)?;
         let mut board = Board { client, info, scale, output };
         match self.action {
@@ -164,7 +182,7 @@ impl Args {
             Action::Zero(args) => board.zero(args),
             Action::Home(args) => board.home(args),
             Action::Jog(args) => board.jog(args),
-            Action::Stop => board.done(Command::Stop, "stopped"),
+            Action::List | Action::Stop => Ok(()),
             Action::Reboot => board.done(Command::Reboot, "resetting"),
         }
     }

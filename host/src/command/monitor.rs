@@ -11,6 +11,9 @@ use crate::interrupt::finish_first;
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway monitor --port /dev/ttyACM0
+  breakaway monitor                                # the only board that answers
+
+It also watches a port that another `run`, `track`, `capture` or `monitor` holds. There `s` stops what is running.
 
 Keys: q quits, s stops what is running, c clears a fault, space freezes the curves. If the board is unplugged the monitor
 waits for it and goes on when it is back. Needs a terminal of at least 80 × 24.")]
@@ -33,12 +36,15 @@ impl Args {
             return Err(anyhow::anyhow!(
                 "the monitor needs a terminal; `breakaway device --port {0} status --json` and `breakaway capture --port {0}` \
                  are for scripts",
-                self.port.port
+                self.port.port.as_deref().unwrap_or("PORT")
             ));
         }
         let interrupt = finish_first();
-        // The Linux console has no Braille glyphs.
-        let plain = self.plain || std::env::var("TERM").is_ok_and(|term| term == "linux");
-        monitor::watch(&self.port.port, self.port.baud, plain, &interrupt)
+        monitor::watch(&self.port.resolve()?, self.port.baud, self.plain || is_plain(), &interrupt)
     }
+}
+
+/// The Linux console has no Braille glyphs.
+pub fn is_plain() -> bool {
+    std::env::var("TERM").is_ok_and(|term| term == "linux")
 }

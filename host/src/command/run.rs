@@ -11,6 +11,7 @@ use breakaway_core::plant::Base;
 use serde::Serialize;
 
 use super::output::Output;
+use super::port_args::{self, MonitorArgs};
 use super::progress;
 use super::recording_args::positive;
 use crate::device::experiment::{Outcome, Runner};
@@ -36,7 +37,8 @@ the break-away force first and sizes itself; recordings to fit go to DIR/fit, th
 that holds a session already is refused; --force replaces that session.
 
 On a board (--port) the board's tick, encoder step and limits apply, and a multisine consists of the multiples of from_hz.
-Ctrl-C stops the axis. If the board is lost, what was recorded until then is kept. Samples that are lost on the way are
+Ctrl-C stops the axis. `breakaway monitor` in another terminal watches, --monitor shows the same in this one, and
+`breakaway device stop` stops the axis from anywhere. If the board is lost, what was recorded until then is kept. Samples that are lost on the way are
 cut out and counted (missing).
 
 JSON: breakaway (of a suite), recordings (file, role, samples, ending; on a board also missing). A relay run ends settled, asymmetric (period_s,
@@ -49,9 +51,12 @@ pub struct Args {
     /// The plant to simulate [default: the reference plant, docs/theory.md section 2]
     #[arg(long, value_name = "M.toml", conflicts_with = "port")]
     pub model: Option<PathBuf>,
-    /// Serial port or pseudo-terminal of a board to run on, instead of the simulated plant
+    /// Serial port or pseudo-terminal of a board to run on, instead of the simulated plant; `auto` is the only one that answers
     #[arg(long, value_name = "PORT")]
     pub port: Option<String>,
+    /// The monitor beside it.
+    #[command(flatten)]
+    pub monitor: MonitorArgs,
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = BAUD, value_parser = clap::value_parser!(u32).range(300..))]
     pub baud: u32,
@@ -116,6 +121,7 @@ impl Args {
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         let file = (self.experiment != "suite").then(|| self.named()).transpose()?;
         self.claim(file.as_ref(), output)?;
+        self.monitor.check(self.port.as_deref())?;
         if let Some(port) = self.port.clone() {
             return self.run_on_board(&port, file, output);
         }
@@ -175,7 +181,10 @@ impl Args {
 
     fn run_on_board(self, port: &str, file: Option<Experiment>, output: Output) -> anyhow::Result<()> {
         let interrupt = finish_first();
+        let port = &port_args::found(port, self.baud)?;
         let mut runner = Runner::connect(port, self.baud)?;
+        port_args::shared(runner.offer(), port);
+        let screen = self.monitor.open(port, self.baud)?;
         let units = runner.scale.units.clone();
         let mut breakaway = None;
         let experiments = if let Some(experiment) = file {
@@ -216,6 +225,7 @@ impl Args {
             bar.inc(1);
         }
         bar.finish_and_clear();
+        drop(screen);
         output.print(&Document { breakaway, recordings, units }, table)
     }
 

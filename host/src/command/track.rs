@@ -1,6 +1,7 @@
 //! `breakaway track`.
 
 pub mod board;
+mod follow;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,9 @@ use breakaway_core::control::{Controller, Setpoint};
 use breakaway_core::link::BAUD;
 use serde::Serialize;
 
+use super::UsageError;
 use super::output::Output;
+use super::port_args::MonitorArgs;
 use super::progress;
 use super::recording_args::{not_negative, positive};
 use super::tune::TuneArgs;
@@ -28,6 +31,7 @@ use crate::report::tracking;
   breakaway track --model model.toml --reference sine:1,0.25 --report track.html
   breakaway track --model identified.toml --plant true.toml --reference trapezoid:2,4,40 -o runs
   breakaway track --model discovered.toml --port /dev/ttyACM0 --reference sine:1,0.1 --report track.html
+  planner | breakaway track --model discovered.toml --port /dev/ttyACM0 --follow -
 
 The controller is the one that runs on the board, in its number type (f32). Four runs are compared. The first has the
 PID alone, the second the PID with the base model (b, c, f1) compensated. The third compensates the whole model, if it has
@@ -41,9 +45,16 @@ On a board (--port) the board's tick, encoder step and limits apply, and errors 
 a trapezoid or an S-curve in the same four runs. The models are loaded for that, and the last one stays loaded until the
 board is reset; `breakaway device save` keeps it. Ctrl-C stops the axis.
 
+With --follow the board follows set-points as they are read, with one controller (--law). A line is `time_s,position` or
+`time_s,position,velocity`, or with --rate a position alone. The first line is where the axis stands. A missing velocity is
+the slope between the neighbours, so the line waits for the next one. Between two lines the reference is a cubic. The board
+refuses what leaves its travel or its speed. A pipe may be faster than real time: it waits. If it is too slow, the axis
+rests at the last position, and after --hold the run ends.
+
 JSON: reference, plant, tick_s, duration_s, settle_s, runs (name, rms, peak, rms_steps, drive_rms, saturated), improvement (PID
 alone over the whole model), units; of a board also missing (samples lost on the way) and mismatches (what its drift watch said: direction of
-motion, speed_bin, position_bin, score, below 0 where the missing force resists), each per run.")]
+motion, speed_bin, position_bin, score, below 0 where the missing force resists), each per run. With --follow: source, law, set_points,
+duration_s, rms, peak, rms_steps, drive_rms, saturated, dry (how often the set-points ran dry), missing, recording, units.")]
 pub struct Args {
     /// The model to compensate and to tune from
     #[arg(long, value_name = "M.toml")]
@@ -54,7 +65,13 @@ pub struct Args {
     /// What to follow: sine:A,HZ, trapezoid:D,V,A[,REST], s_curve:D,V,A,J[,REST] or a FILE.csv
     #[arg(long, value_name = "REF", default_value = "sine:1,0.5")]
     pub reference: String,
-    /// Serial port or pseudo-terminal of a board that follows it, instead of the simulated plant
+    /// Set-points as they come.
+    #[command(flatten)]
+    pub follow: follow::FollowArgs,
+    /// The monitor beside it.
+    #[command(flatten)]
+    pub monitor: MonitorArgs,
+    /// Serial port or pseudo-terminal of a board that follows it, instead of the simulated plant; `auto` is the only one that answers
     #[arg(long, value_name = "PORT", conflicts_with_all = ["plant", "noise", "seed", "tick", "encoder_step"])]
     pub port: Option<String>,
     /// Baud rate of the port
@@ -163,6 +180,17 @@ impl Args {
     /// # Errors
     /// A file that cannot be read or written; a loop that cannot be tuned or diverges.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        self.monitor.check(self.port.as_deref())?;
+        if let Some(source) = &self.follow.follow {
+            let Some(port) = &self.port else {
+                return Err(UsageError(
+                    "--follow needs a board (--port PORT); the simulated plant follows a file with --reference FILE.csv"
+                        .to_owned(),
+                )
+                .into());
+            };
+            return follow::run(&self, source, port, output);
+        }
         let output = self.claim(output)?;
         if let Some(port) = &self.port {
             return board::run(&self, port, output);

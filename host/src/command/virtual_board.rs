@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use breakaway_core::link::{DriveUnit, FULL_SCALE_CODE, PositionUnit, Settings};
 use serde::Serialize;
 
+use super::console;
 use super::output::Output;
 use super::recording_args::positive;
 use super::run::papers_plant;
+use crate::device::list;
 use crate::device::virtual_board::{Injection, Machine, Options, VirtualBoard};
 use crate::interrupt::finish_first;
 use crate::model::Model;
@@ -86,6 +88,11 @@ impl Args {
         let model = self.plant.as_deref().map(Model::read).transpose()?.unwrap_or_else(papers_plant);
         let options = self.options(&model)?;
         let board = VirtualBoard::start(&options)?;
+        // Only for being found: a board that is not is as good.
+        let registered = list::register(&board.port);
+        if let Err(error) = &registered {
+            console::warn(format_args!("`breakaway device list` does not find the board: {error}"));
+        }
         let document = Document { port: board.port.clone(), board: "mps2-an386", tick_hz: self.tick_hz };
         output.print(&document, |d| format!("virtual board at {} ({} Hz); Ctrl-C ends it", d.port, d.tick_hz))?;
         board.wait(|| !interrupt.requested())?;

@@ -111,7 +111,9 @@ pub fn track(
     let mut state = ControllerState::start(controller);
     let mut saturated = 0;
     let run = axis.run_with(&experiment, |k, reading| {
-        let command = controller.tick(&mut state, reference.get(k).copied().unwrap_or_default(), reading as f32);
+        let point = reference.get(k).copied().unwrap_or_default();
+        // What is no drive ends the run as diverged.
+        let Some(command) = controller.tick(&mut state, point, reading as f32) else { return f64::NAN };
         saturated += usize::from(command.saturated);
         f64::from(command.u)
     })?;

@@ -25,6 +25,46 @@ pub enum DeviceError {
         /// The port.
         port: String,
     },
+    /// Another process of this program has it, and shares it.
+    #[error(
+        "another breakaway process holds {port}: end that first. Until then `breakaway monitor --port {port}` watches it and `breakaway device --port {port} stop` stops it"
+    )]
+    Held {
+        /// The port.
+        port: String,
+    },
+    /// A guest may not command that.
+    #[error(
+        "`{command}` cannot be sent: another breakaway process holds {port}, and beside it one can only watch, stop and clear a fault. End that process first"
+    )]
+    Watching {
+        /// The port.
+        port: String,
+        /// The command.
+        command: &'static str,
+    },
+    /// The process that holds the port does not answer.
+    #[error(
+        "another breakaway process holds {port} and does not answer: it hangs. `breakaway device --port {port} stop` stops the axis; then end that process"
+    )]
+    HolderSilent {
+        /// The port.
+        port: String,
+    },
+    /// The process that held the port has ended.
+    #[error("the breakaway process that held {port} has ended")]
+    HolderGone {
+        /// The port.
+        port: String,
+    },
+    /// A stop was sent past the program that holds the port, and nothing came back.
+    #[error(
+        "{port}: a stop was sent past the program that holds the port, and no answer came; look whether the axis stands, and end that program"
+    )]
+    StopUnconfirmed {
+        /// The port.
+        port: String,
+    },
     /// The user may not open it.
     #[error(
         "no permission to open {port}: add yourself to its group (`ls -l {port}` shows it; usually `sudo usermod -aG dialout $USER`) and log in again"

@@ -30,6 +30,7 @@ pub const fn command_name(command: &Command) -> &'static str {
         Command::Zero { .. } => "zero",
         Command::Jog(_) => "jog",
         Command::Home { .. } => "home",
+        Command::SetPoints(_) => "set-points",
     }
 }
 
@@ -131,6 +132,7 @@ pub const fn limit_name(limit: Limit) -> &'static str {
         Limit::Speed => "speed",
         Limit::Current => "current",
         Limit::MeanDrive => "mean_drive",
+        Limit::SetPoints => "set_points",
     }
 }
 
@@ -170,6 +172,9 @@ pub fn ending(ending: Ending, scale: &Scale, settings: &Settings) -> String {
                     scale.drive(settings.mean_drive_max_code.into()),
                     u = scale.units.u
                 ),
+                Limit::SetPoints => {
+                    format!("no set-points for {:.3} s (--hold)", scale.time(u64::from(value.unsigned_abs())))
+                }
             }
         }
         Ending::Stopped => "stopped".into(),

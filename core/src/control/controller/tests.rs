@@ -36,7 +36,7 @@ fn run<R: Fast>(controller: &Controller<R>, ticks: u32) -> Vec<[f64; 2]> {
     (0..ticks)
         .map(|k| {
             let reading = libm::round(motion.x / 1e-3) * 1e-3;
-            let command = controller.tick(&mut state, sine.at(k), R::from_f64(reading));
+            let command = controller.tick(&mut state, sine.at(k), R::from_f64(reading)).unwrap();
             let u = pending;
             pending = command.u.to_f64();
             plant.advance(&mut motion, Drive { u: &[u], ts: TICK, t: f64::from(k) * TICK }, 4);
@@ -92,19 +92,37 @@ fn scalars_agree() {
     }
 }
 
-/// A drive past the limit is cut to it, and the integral goes back; what is no number drives nothing, and changes no integral.
+/// A drive past the limit is cut to it, and the integral goes back.
 #[test]
 fn the_limit_holds() {
     let controller = Controller::pid(pid::<f32>());
     let mut state = ControllerState::start(&controller);
     let far = Setpoint { x: 100.0, v: 0.0, a: 0.0 };
     let command = controller.tick(&mut state, far, 0.0);
-    assert_eq!(command, LimitedDrive { u: 12.0, saturated: true });
+    assert_eq!(command, Some(LimitedDrive { u: 12.0, saturated: true }));
     let back = state.pid.integral;
     assert!(back < 0.0 && back.is_finite());
-    let command = controller.tick(&mut state, far, f32::NAN);
-    assert_eq!(command, LimitedDrive { u: 0.0, saturated: true });
-    assert_eq!(state.pid.integral, back);
+}
+
+/// What is no finite number, in the reference or in the reading, is no drive: neither 0 nor the limit.
+#[test]
+fn what_is_not_finite_is_no_drive() {
+    let rest = Setpoint { x: 0.0, v: 0.0, a: 0.0 };
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for law in [Controller::pid(pid::<f32>()), Controller::adaptive(adaptive::<f32>(5.0))] {
+            let controller = law.with_compensator(compensator(&[]).on());
+            for (reference, x) in [
+                (rest, bad),
+                (Setpoint { x: bad, ..rest }, 0.0),
+                (Setpoint { v: bad, ..rest }, 0.0),
+                (Setpoint { a: bad, ..rest }, 0.0),
+            ] {
+                let mut state = ControllerState::start(&controller);
+                assert!(controller.tick(&mut state, rest, 0.0).is_some());
+                assert_eq!(controller.tick(&mut state, reference, x), None, "{reference:?} at {x}");
+            }
+        }
+    }
 }
 
 /// Whatever the step and the limit, the axis arrives, and overshoots by less than a twentieth of the step and three
@@ -127,7 +145,8 @@ fn a_step_that_saturates_does_not_overshoot() {
             let (mut u, mut saturated, mut most) = (0.0, 0, 0.0_f64);
             for k in 0..4000 {
                 let reading = libm::round(motion.x / STEP) * STEP;
-                let command = controller.tick(&mut state, Setpoint { x: size as f32, v: 0.0, a: 0.0 }, reading as f32);
+                let step = Setpoint { x: size as f32, v: 0.0, a: 0.0 };
+                let command = controller.tick(&mut state, step, reading as f32).unwrap();
                 plant.advance(&mut motion, Drive { u: &[u], ts: TICK, t: f64::from(k) * TICK }, 2);
                 u = f64::from(command.u);
                 saturated += u32::from(command.saturated);
@@ -152,7 +171,7 @@ proptest! {
             let mut state = ControllerState::start(&controller);
             for _ in 0..3 {
                 let command = controller.tick(&mut state, Setpoint { x: r, v, a }, x);
-                prop_assert!(command.u.abs() <= 12.0);
+                prop_assert!(command.is_none_or(|command| command.u.abs() <= 12.0));
             }
         }
     }
@@ -171,9 +190,9 @@ fn an_origin_moves_the_effects_of_the_position() {
     let sine = Sine::<f64>::new(1.0, 1.0, TICK).unwrap();
     let mut largest: f64 = 0.0;
     for k in 0..1000 {
-        let without = moved.tick(&mut { a }, sine.at(k), 0.01).u;
-        let with = moved.tick_from(&mut a, sine.at(k), 0.01, origin).u;
-        let expected = there.tick(&mut b, sine.at(k), 0.01).u;
+        let without = moved.tick(&mut { a }, sine.at(k), 0.01).unwrap().u;
+        let with = moved.tick_from(&mut a, sine.at(k), 0.01, origin).unwrap().u;
+        let expected = there.tick(&mut b, sine.at(k), 0.01).unwrap().u;
         // The table's sine is good to 1e-6 of the amplitude.
         assert!((with - expected).abs() < 1e-6, "{k}: {with}, {expected}");
         largest = largest.max((with - without).abs());

@@ -54,7 +54,7 @@ impl<'a> Axis<'a> {
         self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let dither = (f64::from(self.noise >> 8) / 16_777_216.0 - 0.5) * self.step;
         let reading = libm::round((self.x.x + dither) / self.step) * self.step;
-        self.pending = self.controller.tick(&mut self.state, self.sine.at(self.k), reading).u;
+        self.pending = self.controller.tick(&mut self.state, self.sine.at(self.k), reading).unwrap().u;
         self.k += 1;
         (t, u, reading)
     }

@@ -67,6 +67,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::Zero { count } => self.ask(id, Order::Zero(count), Then::Zeroed),
             Command::Jog(push) => self.push(id, push, None)?,
             Command::Home { push, at } => self.push(id, push, Some(at))?,
+            Command::SetPoints(points) => self.set_points(id, &points)?,
             Command::Reboot => {
                 self.reboot = true;
                 self.done(id);

@@ -2,6 +2,7 @@
 
 mod command;
 mod drift;
+mod follow;
 mod identification;
 mod outbox;
 mod plan;
@@ -21,6 +22,7 @@ use super::guard::Guards;
 use crate::board::Wire;
 use crate::storage::{Loaded, Store};
 use drift::Drift;
+use follow::Follow;
 use outbox::Outbox;
 use stream::Stream;
 
@@ -87,6 +89,7 @@ pub struct App<'q, 'a, P: Planner, W, S> {
     stream: Stream,
     identification: Identification,
     drift: Drift,
+    follow: Option<Follow>,
     sums: Option<&'a mut Sums>,
     waiting: Option<Waiting>,
     unread: heapless::Deque<u8, READ_BYTES>,
@@ -126,6 +129,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             stream: Stream::new(),
             identification: Identification::new(),
             drift: Drift::new(),
+            follow: None,
             sums: Some(sums),
             waiting: None,
             unread: heapless::Deque::new(),
@@ -181,6 +185,9 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             self.stream.push(sample);
             if let Some(order) = self.identification.push(&sample, &self.settings, self.identity.tick_hz) {
                 self.carry_on(order);
+            }
+            if let Some(follow) = &mut self.follow {
+                follow.push(&sample);
             }
             if let Some(mismatch) = self.drift.push(&sample) {
                 self.outbox.event(Event::ModelMismatch(mismatch));
@@ -244,6 +251,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
         }
         if ended.mode == Mode::Track {
             self.drift.ended();
+            self.follow = None;
         }
         self.zero_needed &= ended.ending != Ending::Homed;
         self.outbox.event(Event::ExperimentEnded(ended));
@@ -268,6 +276,7 @@ impl<'q, 'a, P: Planner, W: Wire, S: Store> App<'q, 'a, P, W, S> {
             }
             Then::Relay(experiment) => self.identification.start(experiment),
             Then::Track(track) => {
+                self.follow = Follow::start(&track);
                 self.drift.start(&track, self.model.as_ref(), &self.settings, self.identity.tick_hz);
             }
         }

@@ -5,16 +5,19 @@ use breakaway_core::control::{
     TuningError, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
-use breakaway_core::link::{CommandError, ControllerGains, FULL_SCALE_CODE, Field, Model, Settings, Track, Trajectory};
+use breakaway_core::link::{
+    CommandError, ControllerGains, FULL_SCALE_CODE, Field, Model, SetPoint, Settings, Track, Trajectory,
+};
 use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
 
-use crate::app::control::{NoController, PositionController};
+use crate::app::control::{ControlPlan, NoController, PositionController};
+use crate::app::follow::{FollowRules, Knot};
 use crate::app::track::{Path, TrackController, TrackPlan};
 
 /// Makes plans for a [`PositionController`].
 pub trait Planner {
     /// As [`PositionController::Plan`].
-    type Plan: Clone;
+    type Plan: ControlPlan;
 
     /// The plan for a checked command.
     ///
@@ -27,6 +30,9 @@ pub trait Planner {
         settings: &Settings,
         tick_hz: u32,
     ) -> Result<Self::Plan, CommandError>;
+
+    /// A checked set-point in the controller's numbers; `None` where no plan can be made either.
+    fn knot(&self, point: &SetPoint, tick_hz: u32) -> Option<<Self::Plan as ControlPlan>::Knot>;
 }
 
 impl Planner for NoController {
@@ -34,6 +40,10 @@ impl Planner for NoController {
 
     fn plan(&self, _: &Track, _: Option<&Model>, _: &Settings, _: u32) -> Result<Self::Plan, CommandError> {
         Err(CommandError::Unsupported)
+    }
+
+    fn knot(&self, _: &SetPoint, _: u32) -> Option<core::convert::Infallible> {
+        None
     }
 }
 
@@ -63,6 +73,10 @@ impl<R: Fast> Planner for TrackController<R> {
         };
         let limit = settings.drive_full_scale * f32::from(limit_code) / f32::from(FULL_SCALE_CODE);
         let (path, speed, acceleration) = path(&track.trajectory, tick_hz)?;
+        // Each number is finite; their products need not be, and what they drive would be none.
+        if !(speed.is_finite() && acceleration.is_finite()) {
+            return Err(CommandError::Range(Field::TrajectorySize));
+        }
         let law = match track.controller {
             ControllerGains::Pid(wire) => {
                 let kd = wire.kd;
@@ -80,6 +94,8 @@ impl<R: Fast> Planner for TrackController<R> {
                 let pid = Pid::new(&gains, tick_s, limit).map_err(|error| CommandError::Range(tuning(error)))?;
                 Controller::pid(pid.with_rest_band(f64::from(settings.position_per_count)))
             }
+            // Its rates need the largest speed and acceleration beforehand.
+            ControllerGains::Adaptive(_) if matches!(path, Path::Follow(_)) => return Err(CommandError::Unsupported),
             ControllerGains::Adaptive(wire) => {
                 let gains = Gains {
                     b: base.b,
@@ -120,6 +136,12 @@ impl<R: Fast> Planner for TrackController<R> {
             codes_per_drive: real(f32::from(FULL_SCALE_CODE) / settings.drive_full_scale),
         })
     }
+
+    fn knot(&self, point: &SetPoint, tick_hz: u32) -> Option<Knot<R>> {
+        let (ticks, tick_hz) = (point.ticks as f32, tick_hz.max(1) as f32);
+        let [per_ticks, duration_s, per_s] = [1.0 / ticks, ticks / tick_hz, tick_hz / ticks].map(real);
+        Some(Knot { to: [point.position, point.velocity].map(real), ticks: point.ticks, per_ticks, duration_s, per_s })
+    }
 }
 
 /// The path, its largest speed and acceleration.
@@ -129,6 +151,7 @@ pub(super) fn path<R: Fast>(trajectory: &Trajectory, tick_hz: u32) -> Result<(Pa
     let wrong = CommandError::Range(Field::TrajectoryTime);
     Ok(match *trajectory {
         Trajectory::Hold => (Path::Hold, 0.0, 0.0),
+        Trajectory::Follow { ahead, hold_ticks } => (Path::Follow(FollowRules { ahead, hold_ticks }), 0.0, 0.0),
         Trajectory::Step { distance } => (Path::Step(real(distance)), 0.0, 0.0),
         Trajectory::Sine { amplitude, period_s } => {
             let omega = core::f32::consts::TAU / period_s;

@@ -211,13 +211,26 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         }
     }
 
+    /// The controller has no drive: its trajectory is over, or a number is not finite.
+    #[cold]
+    fn no_drive(&mut self) {
+        let Some(ending) = self.controller.ending() else {
+            self.fail(FaultCause::NotFinite, 0, 0);
+            return;
+        };
+        if let Some(run) = &mut self.run {
+            // This tick was none of it.
+            run.ticks = run.ticks.saturating_sub(1);
+        }
+        self.end(ending);
+    }
+
     /// Asks the mode for its drive and applies it; the reference in counts.
     fn drive(&mut self, count: i32) -> i32 {
         let Some(run) = &mut self.run else {
             return count;
         };
-        let over = run.mode == Mode::Track && self.controller.finished();
-        if over || run.max_ticks != 0 && run.ticks >= run.max_ticks {
+        if run.max_ticks != 0 && run.ticks >= run.max_ticks {
             self.end(Ending::TimeUp);
             return count;
         }
@@ -225,12 +238,12 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         let distance = travel(run.start, count);
         let asked = match &mut run.source {
             Source::Exciter(exciter) => Some(exciter.tick(distance, &self.table)),
-            Source::Control => self.controller.tick(distance),
+            Source::Control => self.controller.tick(distance, &mut self.channels.set_points),
         };
         let limit = i32::from(run.watch.limits().drive_code);
         let start = run.start;
         let Some((command, reference)) = asked else {
-            self.fail(FaultCause::NotFinite, 0, 0);
+            self.no_drive();
             return count;
         };
         // Not `clamp`, which panics where it cannot see that the limit is positive.

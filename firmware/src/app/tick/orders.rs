@@ -119,6 +119,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
             self.fail(FaultCause::DriveStage, 0, 0);
             return Err(CommandError::Faulted);
         }
+        self.channels.set_points.clear();
         let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds, limits), count, held);
         self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
         self.board.retained().write(Remembered::Running(self.now).to_words());

@@ -4,6 +4,7 @@ use anyhow::Context;
 
 use super::{Args, Course, Followed};
 use crate::command::output::Output;
+use crate::command::port_args;
 use crate::command::progress;
 use crate::control::design::{Design, Request};
 use crate::control::reference::Reference;
@@ -21,30 +22,47 @@ pub fn run(args: &Args, port: &str, output: Output) -> anyhow::Result<()> {
     let interrupt = finish_first();
     let model = Model::read(&args.model)?;
     let controller = args.controller.as_deref().map(Design::read).transpose()?;
+    let port = &port_args::found(port, args.baud)?;
     let mut runner = Runner::connect(port, args.baud)?;
-    let (tick_s, encoder_step) = (runner.scale.tick_s(), runner.scale.step);
-    let design = if let Some(design) = controller {
-        anyhow::ensure!(
-            (design.tick_s / tick_s - 1.0).abs() < 1e-6,
-            "the controller is for a tick of {} s, the board's is {tick_s} s: tune it with --tick {tick_s}",
-            design.tick_s
-        );
-        design
-    } else {
-        let drive_limit = args.tuning.drive_limit.unwrap_or_else(|| runner.drive_limit());
-        let request = Request { tick_s, drive_limit, encoder_step, ..args.tuning.request() };
-        Design::new(&model, &request).with_context(|| args.model.display().to_string())?
-    };
+    port_args::shared(runner.offer(), port);
+    let tick_s = runner.scale.tick_s();
+    let design = design(args, &model, controller, &runner)?;
     let course = args.course(tick_s)?;
     match course.reference {
         Reference::Sine { amplitude: most, .. } | Reference::Profile { distance: most, .. } => runner.has_room(most)?,
         // The board says that it has no such trajectory.
         Reference::File(_) => {}
     }
+    let screen = args.monitor.open(port, args.baud)?;
     let (cases, bench) = cases(&mut runner, &model, &design, &course, &interrupt)?;
+    drop(screen);
     let name = format!("{} at {port}", runner.board());
     let units = runner.scale.units.clone();
     args.finish(&course, &cases, &Followed { name: &name, measured: true, units: &units, bench }, output)
+}
+
+/// The controller of a file, which is for this board's tick, or one that is tuned for the board.
+///
+/// # Errors
+/// A controller for another tick; a model that cannot be tuned.
+pub(super) fn design(
+    args: &Args,
+    model: &Model,
+    controller: Option<Design>,
+    runner: &Runner,
+) -> anyhow::Result<Design> {
+    let (tick_s, encoder_step) = (runner.scale.tick_s(), runner.scale.step);
+    if let Some(design) = controller {
+        anyhow::ensure!(
+            (design.tick_s / tick_s - 1.0).abs() < 1e-6,
+            "the controller is for a tick of {} s, the board's is {tick_s} s: tune it with --tick {tick_s}",
+            design.tick_s
+        );
+        return Ok(design);
+    }
+    let drive_limit = args.tuning.drive_limit.unwrap_or_else(|| runner.drive_limit());
+    let request = Request { tick_s, drive_limit, encoder_step, ..args.tuning.request() };
+    Design::new(model, &request).with_context(|| args.model.display().to_string())
 }
 
 /// Follows the course once with each law: the PID alone, the base model compensated, the whole model compensated if

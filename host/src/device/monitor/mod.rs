@@ -1,14 +1,17 @@
 //! The live monitor: [`State`] takes what the board sends, [`draw`] makes a screen of it, [`watch`] does both on a
 //! terminal.
 
+mod beside;
 mod draw;
 mod state;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use breakaway_core::link::{Command, Reply};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 
+pub use beside::Beside;
 pub use draw::draw;
 pub use state::{Connection, State};
 
@@ -27,18 +30,31 @@ const SAMPLES_PER_S: u32 = 400;
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Key {
     Quit,
+    Interrupt,
     Stop,
     Clear,
     Freeze,
 }
 
-/// Watches the board on the terminal until the user quits.
+/// Watches the board on the terminal until the user quits. A port that another process shares is watched beside it.
 ///
 /// # Errors
 /// The board cannot be reached at the start, or the terminal fails. Later losses are shown and waited for.
 pub fn watch(port: &str, baud: u32, plain: bool, interrupt: &FinishFirst) -> anyhow::Result<()> {
     // Before the screen changes, so that a message of why not stays to be read.
-    let (mut client, mut state) = connect(port, baud)?;
+    let connected = connect(port, baud)?;
+    screen(connected, port, baud, plain, interrupt, None)
+}
+
+/// Shows the board until the user quits, or until the run beside which it is shown is `over`.
+fn screen(
+    (mut client, mut state): (Client, State),
+    port: &str,
+    baud: u32,
+    plain: bool,
+    interrupt: &FinishFirst,
+    over: Option<&AtomicBool>,
+) -> anyhow::Result<()> {
     let mut connected = true;
     let mut terminal = ratatui::try_init()?;
     let mut tried = Instant::now();
@@ -67,7 +83,12 @@ pub fn watch(port: &str, baud: u32, plain: bool, interrupt: &FinishFirst) -> any
             Err(error) => break Err(error.into()),
         };
         match key {
-            _ if interrupt.requested() => break Ok(()),
+            _ if interrupt.requested() || over.is_some_and(|over| over.load(Ordering::SeqCst)) => break Ok(()),
+            Some(Key::Interrupt) => {
+                // The terminal makes a key of what would be a signal: the run beside is told.
+                interrupt.request();
+                break Ok(());
+            }
             Some(Key::Quit) => break Ok(()),
             Some(Key::Freeze) => state.frozen = !state.frozen,
             Some(Key::Stop) if connected => command(&mut client, &mut state, Command::Stop),
@@ -91,6 +112,7 @@ pub fn watch(port: &str, baud: u32, plain: bool, interrupt: &FinishFirst) -> any
 /// Connects, and asks for everything that does not come by itself.
 fn connect(port: &str, baud: u32) -> Result<(Client, State), DeviceError> {
     let (mut client, info) = Client::connect(port, baud)?;
+    let shared = client.offer();
     let scale = Scale::new(&info)?;
     let Reply::Settings(settings) = client.request(Command::GetSettings)? else {
         return Err(DeviceError::Nonsense { command: "settings get" });
@@ -102,6 +124,11 @@ fn connect(port: &str, baud: u32) -> Result<(Client, State), DeviceError> {
     client.done(Command::StreamOn { decimation })?;
     let mut state = State::new(port, &info, scale, settings);
     state.fault = fault;
+    if client.is_guest() {
+        state.note("another breakaway process holds the port: this one watches, and can stop it".to_owned());
+    } else if let Err(error) = shared {
+        state.note(format!("the port is not shared with other processes: {error}"));
+    }
     Ok((client, state))
 }
 
@@ -137,7 +164,7 @@ fn key(wait: Duration) -> std::io::Result<Option<Key>> {
         return Ok(None);
     }
     Ok(match key.code {
-        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Key::Quit),
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Key::Interrupt),
         KeyCode::Char('q') | KeyCode::Esc => Some(Key::Quit),
         KeyCode::Char('s') => Some(Key::Stop),
         KeyCode::Char('c') => Some(Key::Clear),

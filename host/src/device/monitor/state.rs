@@ -11,6 +11,8 @@ use crate::device::text;
 
 /// Length of the curves, s.
 pub const WINDOW_S: f64 = 5.0;
+/// Points closer than this are not told apart on the screen, s. A port that is shared brings every tick.
+const LEAST_SPACING_S: f64 = 0.99e-3;
 /// Events that are kept.
 const EVENTS: usize = 50;
 /// Time over which rates are averaged.
@@ -126,9 +128,11 @@ impl State {
                 }
                 for row in rows {
                     self.mode = row.mode;
-                    if !self.frozen {
+                    let t = self.scale.time(row.tick);
+                    let apart = self.points.back().is_none_or(|last| t - last.t >= LEAST_SPACING_S);
+                    if !self.frozen && apart {
                         self.points.push_back(Point {
-                            t: self.scale.time(row.tick),
+                            t,
                             x: self.scale.position(row.count),
                             u: self.scale.drive(row.drive_code.into()),
                             r: self.scale.position(row.reference),

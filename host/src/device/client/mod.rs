@@ -1,25 +1,26 @@
 //! Requests and replies over a port, with a thread that reads.
 
+mod hello;
+mod reader;
+
 use std::collections::VecDeque;
-use std::io::{self, Write};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::io::{self, Read, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use breakaway_core::link::{
-    Command, Decoder, Event, Info, MAX_FRAME, Message, PROTOCOL_VERSION, Reply, Request, SCHEMA, Status, encode,
-    peer_version,
-};
-use serialport::SerialPort;
+use breakaway_core::link::{Command, Info, MAX_FRAME, Message, Reply, Request, Status, encode};
 
+pub use reader::Counters;
+use reader::Incoming;
+
+use super::share::{self, Hub, Offer};
 use super::{DeviceError, port, text};
 
 /// How long the first answer may take: a board that has just been plugged in needs to start.
 const HELLO_TIMEOUT: Duration = Duration::from_millis(2500);
-/// How often hello is said again meanwhile.
-const HELLO_AGAIN: Duration = Duration::from_millis(150);
 /// How long an answer may take.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long solving or writing flash may take, on the slowest target.
@@ -29,40 +30,12 @@ const POLL: Duration = Duration::from_millis(10);
 /// The device's guard against a lost link counts from the last command.
 const KEEP_ALIVE: Duration = Duration::from_millis(200);
 
-/// What the reading thread hands over.
-#[allow(clippy::large_enum_variant)] // Most of them are messages.
-enum Incoming {
-    Message(Message),
-    Peer { id: u16, version: u16, schema: u32 },
-    Lost(String),
-}
-
-/// What has come over the port since it was opened.
-#[derive(Debug, Default)]
-pub struct Counters {
-    bytes: AtomicU64,
-    good: AtomicU64,
-    bad: AtomicU64,
-}
-
-impl Counters {
-    /// Bytes received.
-    pub fn bytes(&self) -> u64 {
-        self.bytes.load(Ordering::Relaxed)
-    }
-    /// Frames received whole.
-    pub fn good_frames(&self) -> u64 {
-        self.good.load(Ordering::Relaxed)
-    }
-    /// Frames received damaged.
-    pub fn bad_frames(&self) -> u64 {
-        self.bad.load(Ordering::Relaxed)
-    }
-}
+/// What requests are written to; the threads of other processes that share the port write there, too.
+pub(super) type Writer = Arc<Mutex<Box<dyn Write + Send>>>;
 
 /// A board that has introduced itself and speaks our version.
 pub struct Client {
-    port: Box<dyn SerialPort>,
+    writer: Writer,
     name: String,
     baud: u32,
     incoming: Receiver<Incoming>,
@@ -73,29 +46,94 @@ pub struct Client {
     reader: Option<JoinHandle<()>>,
     next_id: u16,
     last_sent: Instant,
-    info: Option<Info>,
+    /// What others share the port through; `None` for one that is a guest itself.
+    hub: Option<Arc<Hub>>,
+    offer: Option<Offer>,
 }
 
 impl Client {
-    /// Opens the port and shakes hands.
+    /// Opens the port and shakes hands. Where another process of this program holds the port and shares it, the client is
+    /// its guest: it watches, and it can stop what is running ([`Client::is_guest`]).
     ///
     /// # Errors
     /// [`DeviceError`]: no such port, in use, no permission; no answer, garbage, another version.
     pub fn connect(name: &str, baud: u32) -> Result<(Self, Info), DeviceError> {
+        match Self::alone(name, baud, HELLO_TIMEOUT) {
+            Err(DeviceError::Busy { port }) => match share::join(name) {
+                Some(stream) => Self::guest(name, baud, stream, HELLO_TIMEOUT),
+                None => Err(DeviceError::Busy { port }),
+            },
+            other => other,
+        }
+    }
+
+    /// As [`Client::connect`], but never as a guest: for what drives the axis.
+    ///
+    /// # Errors
+    /// As [`Client::connect`]; [`DeviceError::Held`] where another process shares the port.
+    pub fn connect_alone(name: &str, baud: u32) -> Result<(Self, Info), DeviceError> {
+        match Self::alone(name, baud, HELLO_TIMEOUT) {
+            Err(DeviceError::Busy { port }) if share::join(name).is_some() => Err(DeviceError::Held { port }),
+            other => other,
+        }
+    }
+
+    /// As [`Client::connect`], with so much time for the first answer.
+    pub(super) fn probe(name: &str, baud: u32, timeout: Duration) -> Result<(Self, Info), DeviceError> {
+        match Self::alone(name, baud, timeout) {
+            Err(DeviceError::Busy { port }) => match share::join(name) {
+                Some(stream) => Self::guest(name, baud, stream, timeout),
+                None => Err(DeviceError::Busy { port }),
+            },
+            other => other,
+        }
+    }
+
+    /// Sends a command through the process that shares the port; whether it was done within `timeout`. Without a
+    /// handshake, which a holder that hangs would not answer either.
+    pub(super) fn ask_holder(name: &str, baud: u32, command: Command, timeout: Duration) -> bool {
+        let Some(stream) = share::join(name) else { return false };
+        let Ok(mut client) = Self::guest_without_hello(name, baud, stream) else { return false };
+        matches!(client.request_within(command, timeout), Ok(Reply::Done))
+    }
+
+    fn alone(name: &str, baud: u32, timeout: Duration) -> Result<(Self, Info), DeviceError> {
         let port = port::open(name, baud)?;
         let not_a_port =
             |error: &dyn std::fmt::Display| DeviceError::NotAPort { port: name.to_owned(), reason: error.to_string() };
         let mut reading = port.try_clone().map_err(|error| not_a_port(&error))?;
         reading.set_timeout(POLL).map_err(|error| not_a_port(&error))?;
+        let writer: Writer = Arc::new(Mutex::new(Box::new(port)));
+        let hub = Arc::new(Hub::new(Arc::clone(&writer)));
+        let mut client = Self::on(name, baud, writer, Box::new(reading), Some(hub));
+        let info = client.hello(timeout)?;
+        Ok((client, info))
+    }
+
+    fn guest(name: &str, baud: u32, stream: share::Stream, timeout: Duration) -> Result<(Self, Info), DeviceError> {
+        let mut client = Self::guest_without_hello(name, baud, stream)?;
+        let info = client.hello(timeout)?;
+        Ok((client, info))
+    }
+
+    fn guest_without_hello(name: &str, baud: u32, stream: share::Stream) -> Result<Self, DeviceError> {
+        let not_a_port = |error: io::Error| DeviceError::NotAPort { port: name.to_owned(), reason: error.to_string() };
+        let reading = stream.try_clone().map_err(not_a_port)?;
+        reading.set_read_timeout(Some(POLL)).map_err(not_a_port)?;
+        stream.set_write_timeout(Some(port::WRITE_TIMEOUT)).map_err(not_a_port)?;
+        Ok(Self::on(name, baud, Arc::new(Mutex::new(Box::new(stream))), Box::new(reading), None))
+    }
+
+    fn on(name: &str, baud: u32, writer: Writer, mut reading: Box<dyn Read + Send>, hub: Option<Arc<Hub>>) -> Self {
         let (sender, incoming) = mpsc::channel();
         let counters = Arc::new(Counters::default());
         let ending = Arc::new(AtomicBool::new(false));
         let reader = std::thread::spawn({
-            let (counters, ending) = (Arc::clone(&counters), Arc::clone(&ending));
-            move || read(&mut *reading, &sender, &counters, &ending)
+            let (counters, ending, hub) = (Arc::clone(&counters), Arc::clone(&ending), hub.clone());
+            move || reader::read(&mut *reading, &sender, &counters, &ending, hub.as_deref())
         });
-        let mut client = Self {
-            port,
+        Self {
+            writer,
             name: name.to_owned(),
             baud,
             incoming,
@@ -105,11 +143,26 @@ impl Client {
             reader: Some(reader),
             next_id: 1,
             last_sent: Instant::now(),
-            info: None,
-        };
-        let info = client.hello()?;
-        client.info = Some(info.clone());
-        Ok((client, info))
+            hub,
+            offer: None,
+        }
+    }
+
+    /// Shares the port from now on: other processes find it, watch, and can stop what is running. A guest has nothing to
+    /// share.
+    ///
+    /// # Errors
+    /// The socket cannot be made; the port works all the same.
+    pub fn offer(&mut self) -> io::Result<()> {
+        if let Some(hub) = &self.hub {
+            self.offer = Some(share::offer(&self.name, hub)?);
+        }
+        Ok(())
+    }
+
+    /// Whether another process holds the port: this client watches, and can stop what is running.
+    pub fn is_guest(&self) -> bool {
+        self.hub.is_none()
     }
 
     /// The port's name.
@@ -122,55 +175,20 @@ impl Client {
         &self.counters
     }
 
-    /// Says hello until somebody answers.
-    fn hello(&mut self) -> Result<Info, DeviceError> {
-        let start = Instant::now();
-        let mut first_id = None;
-        while start.elapsed() < HELLO_TIMEOUT {
-            let id = self.send(Command::Hello)?;
-            let first = *first_id.get_or_insert(id);
-            let until = Instant::now() + HELLO_AGAIN;
-            while let Some(left) = until.checked_duration_since(Instant::now()) {
-                match self.incoming.recv_timeout(left) {
-                    // An answer to an earlier hello is as good; one to somebody before us is not.
-                    Ok(Incoming::Peer { id, version, schema }) if (first..self.next_id).contains(&id) => {
-                        if (version, schema) != (PROTOCOL_VERSION, SCHEMA) {
-                            return Err(DeviceError::OtherVersion { port: self.name.clone(), version, schema });
-                        }
-                    }
-                    Ok(Incoming::Message(Message::Reply { id, reply: Reply::Info(info) }))
-                        if (first..self.next_id).contains(&id) =>
-                    {
-                        // That it has started is what we were waiting for, not news.
-                        self.waiting.retain(|message| !matches!(message, Message::Event(Event::Started)));
-                        return Ok(info);
-                    }
-                    Ok(Incoming::Message(message)) => self.waiting.push_back(message),
-                    Ok(Incoming::Lost(reason)) => return Err(self.unplugged(reason)),
-                    Ok(Incoming::Peer { .. }) | Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => return Err(self.unplugged("the reader ended".into())),
-                }
-            }
-        }
-        let (port, bytes) = (self.name.clone(), self.counters.bytes());
-        let seconds = HELLO_TIMEOUT.as_secs_f64();
-        Err(match (bytes, self.counters.good_frames()) {
-            (0, _) => DeviceError::NoAnswer { port, seconds },
-            (_, 0) => DeviceError::Garbage { port, bytes, baud: self.baud },
-            _ => DeviceError::Silent { port, command: "hello", seconds },
-        })
-    }
-
     fn unplugged(&self, reason: String) -> DeviceError {
-        DeviceError::Unplugged { port: self.name.clone(), reason }
+        let port = self.name.clone();
+        if self.is_guest() { DeviceError::HolderGone { port } } else { DeviceError::Unplugged { port, reason } }
     }
 
     /// Sends a command without waiting for its reply; the id under which it will be answered.
     fn send(&mut self, command: Command) -> Result<u16, DeviceError> {
         let id = self.next_id;
-        // 0 is left out: it is what a device answers under that could not read the id.
-        self.next_id = self.next_id.checked_add(1).unwrap_or(1);
+        // 0 is left out: it is what a device answers under that could not read the id. The upper half is the guests'.
+        self.next_id = if id + 1 < share::FIRST_GUEST_ID { id + 1 } else { 1 };
         let name = text::command_name(&command);
+        if self.is_guest() && !share::may(&command) {
+            return Err(DeviceError::Watching { port: self.name.clone(), command: name });
+        }
         let mut frame = [0; MAX_FRAME + 1];
         let Some((zero, rest)) = frame.split_first_mut() else {
             return Err(DeviceError::Nonsense { command: name });
@@ -179,14 +197,12 @@ impl Client {
         *zero = 0;
         let Ok(buffer) = rest.try_into() else { return Err(DeviceError::Nonsense { command: name }) };
         let used = encode(&Request { id, command }, buffer).map_err(|_| DeviceError::Nonsense { command: name })?;
-        match self.port.write_all(&frame[..=used]) {
+        let written = self.writer.lock().unwrap_or_else(PoisonError::into_inner).write_all(&frame[..=used]);
+        match written {
             Ok(()) => {}
-            Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-                return Err(DeviceError::Silent {
-                    port: self.name.clone(),
-                    command: name,
-                    seconds: self.port.timeout().as_secs_f64(),
-                });
+            Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock) => {
+                let (port, seconds) = (self.name.clone(), port::WRITE_TIMEOUT.as_secs_f64());
+                return Err(DeviceError::Silent { port, command: name, seconds });
             }
             Err(error) => return Err(self.unplugged(error.to_string())),
         }
@@ -199,11 +215,16 @@ impl Client {
     /// # Errors
     /// The port is gone, no answer, or a refusal.
     pub fn request(&mut self, command: Command) -> Result<Reply, DeviceError> {
-        let name = text::command_name(&command);
         let timeout = match command {
             Command::Identify | Command::Save | Command::ClearFault => LONG_TIMEOUT,
             _ => REPLY_TIMEOUT,
         };
+        self.request_within(command, timeout)
+    }
+
+    /// The same with so much time for the reply.
+    pub(super) fn request_within(&mut self, command: Command, timeout: Duration) -> Result<Reply, DeviceError> {
+        let name = text::command_name(&command);
         let new_stream = matches!(command, Command::StreamOn { .. });
         let wanted = self.send(command)?;
         let until = Instant::now() + timeout;
@@ -274,52 +295,12 @@ impl Client {
 
 impl Drop for Client {
     fn drop(&mut self) {
+        // First, so that nobody finds what is about to end.
+        self.offer = None;
         self.ending.store(true, Ordering::Relaxed);
         if let Some(reader) = self.reader.take() {
             // It polls; a reader that panicked has nothing left to say.
             let _ = reader.join();
-        }
-    }
-}
-
-/// Reads until the port is gone or nobody listens.
-fn read(port: &mut dyn SerialPort, sender: &Sender<Incoming>, counters: &Counters, ending: &AtomicBool) {
-    let mut decoder = Decoder::new();
-    let mut buffer = [0; 4096];
-    while !ending.load(Ordering::Relaxed) {
-        let count = match port.read(&mut buffer) {
-            Ok(0) => {
-                let _ = sender.send(Incoming::Lost("end of file".into()));
-                return;
-            }
-            Ok(count) => count,
-            Err(error) => match error.kind() {
-                io::ErrorKind::TimedOut | io::ErrorKind::Interrupted | io::ErrorKind::WouldBlock => continue,
-                _ => {
-                    let _ = sender.send(Incoming::Lost(error.to_string()));
-                    return;
-                }
-            },
-        };
-        counters.bytes.fetch_add(count as u64, Ordering::Relaxed);
-        for byte in buffer.iter().take(count) {
-            let bytes = match decoder.push(*byte) {
-                None => continue,
-                Some(Err(_)) => {
-                    counters.bad.fetch_add(1, Ordering::Relaxed);
-                    continue;
-                }
-                Some(Ok(bytes)) => bytes,
-            };
-            counters.good.fetch_add(1, Ordering::Relaxed);
-            // The version goes first: what follows may not be readable.
-            let peer = peer_version(bytes).map(|(id, version, schema)| Incoming::Peer { id, version, schema });
-            let message = Message::decode(bytes).map(Incoming::Message);
-            for incoming in peer.into_iter().chain(message) {
-                if sender.send(incoming).is_err() {
-                    return;
-                }
-            }
         }
     }
 }
