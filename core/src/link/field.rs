@@ -33,7 +33,7 @@ fields! {
     TravelMin "travel_min_counts" "below travel_max_counts",
     TravelMax "travel_max_counts" "above travel_min_counts",
     SpeedMax "speed_max_counts_per_s" "1 to 2147483647 counts/s",
-    CurrentMax "current_max_ma" "any number of mA; 0 for no limit, and where the board measures no current",
+    CurrentMax "current_max_ma" "mA that the board measures (`device … info`); 0 for no limit, and where it measures none",
     MeanDriveMax "mean_drive_max_code" "1 to 32767 drive codes",
     FrozenTicks "frozen_ticks" "1 to 16777216 ticks",
     FrozenDrive "frozen_drive_code" "1 to 32767 drive codes",

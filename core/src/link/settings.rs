@@ -15,7 +15,7 @@ pub struct Settings {
     pub travel_max_counts: i32,
     /// Limit: speed, counts/s, 1 ..= 2³¹ − 1.
     pub speed_max_counts_per_s: u32,
-    /// Limit: motor current, mA; 0 for none. A board that measures no current refuses any other.
+    /// Limit: motor current, mA; 0 for none. More than the board measures is refused, and anything else where it measures none.
     pub current_max_ma: u32,
     /// Limit: |drive| averaged over about a second, drive codes, ≥ 1: what the motor stands for long when it stands still.
     pub mean_drive_max_code: i16,

@@ -34,6 +34,7 @@ fn the_longest_messages_fit() {
         first_tick: u32::MAX,
         decimation: u16::MAX,
         dropped: u32::MAX,
+        currents: true,
         steps: [0xff; BATCH_BYTES].into_iter().collect(),
     };
     encode(&Request { id, command: Command::LoadModel(model.clone()) }, &mut frame).unwrap();

@@ -56,4 +56,6 @@ pub(super) struct Run {
     /// 0: until stopped.
     pub max_ticks: u32,
     pub mode: Mode,
+    /// Ticks in a row above the limit of the current.
+    pub over_current_ticks: u32,
 }

@@ -152,7 +152,7 @@ mod image {
             build: "",
             tick_hz: TICK_HZ,
             drive_max_code: FULL_SCALE_CODE,
-            measures_current: false,
+            current_range_ma: 0,
         };
         let settings = Settings {
             drive_max_code: FULL_SCALE_CODE,

@@ -41,7 +41,7 @@ mod image {
         fn tripped(&mut self) -> Option<Trip> {
             black_box(None)
         }
-        fn current_ma(&mut self) -> Option<u32> {
+        fn current_ma(&mut self) -> Option<i32> {
             black_box(None)
         }
         fn feed_watchdog(&mut self) {}

@@ -24,7 +24,7 @@ mod image {
             build: env!("BREAKAWAY_BUILD"),
             tick_hz,
             drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
-            measures_current: false,
+            current_range_ma: 0,
         };
         let Some(mut store) = FlashStore::new(SimulatedFlash::open(true), 0..4096) else {
             panic!("the simulated flash has two pages");

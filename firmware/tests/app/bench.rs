@@ -114,7 +114,7 @@ impl<R: Fast> Bench<R> {
             build: "test",
             tick_hz: TICK_HZ,
             drive_max_code: world.stage_limit.unwrap_or(FULL_SCALE_CODE),
-            measures_current: false,
+            current_range_ma: world.current_range_ma,
         };
         let world = Shared(Rc::new(RefCell::new(world)));
         // Leaked: a board has them for ever, too.

@@ -4,6 +4,7 @@
 //! and the program counter. The plant is driven by TIM1's compare registers and is read by TIM2.
 
 pub mod accident;
+pub mod analog;
 pub mod bench;
 pub mod bridge;
 pub mod bus;
@@ -19,3 +20,4 @@ pub mod store;
 pub mod timers;
 pub mod unicorn;
 pub mod watchdog;
+pub mod winding;

@@ -95,7 +95,7 @@ pub fn run(bytes: &[u8]) -> bool {
         build: "fuzz",
         tick_hz: TICK_HZ,
         drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
-        measures_current: false,
+        current_range_ma: 0,
     };
     let mut sums = Sums::new();
     let mut channels = Channels::new();

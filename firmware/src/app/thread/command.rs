@@ -30,7 +30,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::Status => self.outbox.reply(id, Reply::Status(self.status())),
             Command::GetSettings => self.outbox.reply(id, Reply::Settings(self.settings)),
             // What nothing measures would protect nothing.
-            Command::SetSettings(settings) if settings.current_max_ma > 0 && !self.identity.measures_current => {
+            Command::SetSettings(settings) if settings.current_max_ma > self.identity.current_range_ma => {
                 return Err(CommandError::Settings(Field::CurrentMax));
             }
             Command::SetSettings(settings) if settings.drive_max_code > self.identity.drive_max_code => {
@@ -163,6 +163,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             position_unit: self.settings.position_unit,
             drive_full_scale: self.settings.drive_full_scale,
             drive_unit: self.settings.drive_unit,
+            current_range_ma: self.identity.current_range_ma,
         }
     }
 

@@ -37,8 +37,9 @@ pub struct Identity {
     pub tick_hz: u32,
     /// Largest drive that its power stage gives, drive codes: settings above are refused.
     pub drive_max_code: i16,
-    /// It measures the motor's current ([`crate::board::Protection::current_ma`]); else a limit of it is refused.
-    pub measures_current: bool,
+    /// Largest motor current that it measures either way, mA ([`crate::board::Protection::current_ma`]); 0: none is measured, and a
+    /// limit of it is refused.
+    pub current_range_ma: u32,
 }
 
 /// What the main loop should do after a poll.

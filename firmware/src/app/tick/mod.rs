@@ -53,6 +53,8 @@ pub struct Tick<'q, 'a, B: Board, C: PositionController> {
     fault: Option<FaultRecord>,
     accumulation: Option<Accumulation<'a>>,
     applied: Applied,
+    /// The motor's current in this tick, mA, where it is measured.
+    current_ma: Option<i32>,
     /// Added to what the encoder says, counts: where zero is.
     zero_offset: i32,
     now: u32,
@@ -75,6 +77,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
     ) -> Self {
         // The power stage is off after reset; a board that cannot even confirm it has a fault.
         let off = board.drive().off();
+        board.protection().limit_current(guards.current_ma);
         let remembered = Remembered::from_words(board.retained().read());
         let by_watchdog = board.protection().watchdog_reset();
         let mut tick = Self {
@@ -88,6 +91,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             fault: None,
             accumulation: None,
             applied: Applied::default(),
+            current_ma: None,
             zero_offset: 0,
             now: 0,
             last_count: None,
@@ -173,6 +177,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
     fn process_reading(&mut self, count: i32, alive: bool) {
         let moved = self.last_count.map_or(0, |last| travel(last, count));
         self.last_count = Some(count);
+        self.current_ma = self.board.protection().current_ma();
         if moved.unsigned_abs() > self.guards.jump_counts {
             self.fail(FaultCause::EncoderJump, moved, clamped(self.guards.jump_counts));
         }
@@ -184,7 +189,8 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         if let (Some(accumulation), Some(run)) = (&mut self.accumulation, &self.run) {
             accumulation.push(self.now, travel(run.start, count));
         }
-        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode: self.mode() };
+        let (drive_code, mode) = (self.applied.code, self.mode());
+        let sample = Sample { tick: self.now, count, drive_code, reference, mode, current_ma: self.current_ma };
         // Where the queue is full the sample is lost, and the step in the tick numbers tells.
         let _ = self.channels.samples.enqueue(sample);
     }

@@ -10,7 +10,7 @@ use crate::app::excite::{Excitation, Exciter};
 use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
-use crate::board::{Applied, Board, Drive, Retained, travel};
+use crate::board::{Applied, Board, Drive, Protection, Retained, travel};
 
 impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
     #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
@@ -52,6 +52,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
                     // The sign of the count may change with it.
                     self.last_count = None;
                     self.guards = guards.after(&self.guards);
+                    self.board.protection().limit_current(self.guards.current_ma);
                 }
                 self.answer(idle);
             }
@@ -121,7 +122,15 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         }
         self.channels.set_points.clear();
         let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds, limits), count, held);
-        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
+        self.run = Some(Run {
+            source,
+            watch,
+            start: count,
+            ticks: 0,
+            max_ticks: bounds.max_ticks,
+            mode,
+            over_current_ticks: 0,
+        });
         self.board.retained().write(Remembered::Running(self.now).to_words());
         Ok(())
     }
@@ -158,7 +167,11 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         let stage = matches!(
             ending,
             Ending::Fault(
-                FaultCause::BreakInput | FaultCause::EmergencyStop | FaultCause::Supply | FaultCause::DriveStage
+                FaultCause::BreakInput
+                    | FaultCause::EmergencyStop
+                    | FaultCause::OverCurrent
+                    | FaultCause::Supply
+                    | FaultCause::DriveStage
             )
         );
         self.guards.brake && !stage

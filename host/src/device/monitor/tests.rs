@@ -23,6 +23,7 @@ fn info() -> Info {
         position_unit: PositionUnit::Radian,
         drive_full_scale: 12.0,
         drive_unit: DriveUnit::Volt,
+        current_range_ma: 0,
     }
 }
 
