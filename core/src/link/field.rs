@@ -81,4 +81,9 @@ fields! {
     SetPointPosition "set-point position" "finite, and the way to it within the travel limits",
     SetPointVelocity "set-point velocity" "finite, and the speed on the way to it within speed_max_counts_per_s",
     SetPointSequence "set-point sequence" "at most that of the next set-point that the device wants",
+    DriveUnit "drive_unit" "V, A, N or Nm; A where the board measures the motor's current",
+    Supply "supply_v" "finite and above 0",
+    Resistance "motor_resistance_ohm" "finite and at least 0; above 0 where drive_unit is A",
+    Inductance "motor_inductance_h" "finite and at least 0; 0 where it is not known",
+    CurrentBandwidth "current_bandwidth_hz" "at least 0; 0 for the largest, which leaves 60° of phase",
 }

@@ -14,6 +14,7 @@
 mod accumulate;
 mod channels;
 mod control;
+mod current;
 mod excite;
 mod follow;
 mod guard;
@@ -25,8 +26,9 @@ mod tick;
 mod track;
 
 pub use accumulate::{Accumulation, SineConfig, Sums};
-pub use channels::{AppEnd, Channels, Order, SAMPLE_QUEUE, TickEnd, TickEvent};
+pub use channels::{AppEnd, Channels, Order, RunRequest, SAMPLE_QUEUE, TickEnd, TickEvent};
 pub use control::{ControlPlan, NoController, PositionController};
+pub use current::CurrentPlan;
 pub use excite::Excitation;
 pub use follow::{FollowRules, Knot};
 pub use guard::Guards;

@@ -91,6 +91,10 @@ mod image {
         drive_full_scale: 1.0,
         drive_unit: breakaway_core::link::DriveUnit::Volt,
         brake: true,
+        supply_v: 1.0,
+        motor_resistance_ohm: 1.0,
+        motor_inductance_h: 0.0,
+        current_bandwidth_hz: 0.0,
     };
 
     unsafe extern "C" {

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use csv::ByteRecord;
 
+use super::CURRENT;
 use super::clock::Clock;
 use super::error::{Place, RecordingError};
 use super::field;
@@ -11,7 +12,6 @@ use super::header::Header;
 use super::limits::{BUFFER, Limited, MAX_ROWS, Meter};
 use super::lines::LineOfRow;
 use super::options::{ReadOptions, Selection};
-use super::CURRENT;
 use super::quality::Warning;
 use super::rows::{Names, RowReader, Rows};
 use super::source::unpacked;

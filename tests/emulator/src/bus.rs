@@ -26,9 +26,32 @@ pub const CORE_HZ: u64 = 170_000_000;
 pub const STEP_CYCLES: u64 = 4250;
 /// Peripherals that have a model, or none but their registers (PWR, SYSCFG, DBGMCU).
 const KNOWN: [&str; 26] = [
-    "RCC", "PWR", "FLASH", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "TIM1", "TIM2", "TIM5",
-    "TIM6", "LPUART1", "DMA1", "DMAMUX1", "IWDG", "SYSCFG", "DBGMCU", "ADC1", "ADC12_COMMON", "DAC1",
-    "DAC3", "COMP1", "COMP3",
+    "RCC",
+    "PWR",
+    "FLASH",
+    "GPIOA",
+    "GPIOB",
+    "GPIOC",
+    "GPIOD",
+    "GPIOE",
+    "GPIOF",
+    "GPIOG",
+    "TIM1",
+    "TIM2",
+    "TIM5",
+    "TIM6",
+    "LPUART1",
+    "DMA1",
+    "DMAMUX1",
+    "IWDG",
+    "SYSCFG",
+    "DBGMCU",
+    "ADC1",
+    "ADC12_COMMON",
+    "DAC1",
+    "DAC3",
+    "COMP1",
+    "COMP3",
 ];
 /// Those of the core.
 const CORE: [&str; 3] = ["NVIC", "SCB", "DCB"];

@@ -231,6 +231,26 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         self.end(ending);
     }
 
+    /// Applies a drive that is a current, drive codes: by the current loop.
+    #[inline(never)]
+    fn regulate(&mut self, drive_code: i32) {
+        let Some(current_ma) = self.current_ma else {
+            self.fail(FaultCause::CurrentSensor, 0, clamped(self.guards.current_ma));
+            return;
+        };
+        let Some(asked) = self.controller.voltage(drive_code, current_ma) else {
+            self.fail(FaultCause::NotFinite, 0, 0);
+            return;
+        };
+        match self.board.drive().apply(asked) {
+            Ok(applied) => {
+                let code = self.controller.applied(asked, applied);
+                self.applied = Applied { code, limited: applied.limited };
+            }
+            Err(_) => self.fail(FaultCause::DriveStage, asked, 0),
+        }
+    }
+
     /// Asks the mode for its drive and applies it; the reference in counts.
     fn drive(&mut self, count: i32) -> i32 {
         let Some(run) = &mut self.run else {
@@ -247,16 +267,20 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             Source::Control => self.controller.tick(distance, &mut self.channels.set_points),
         };
         let limit = i32::from(run.watch.limits().drive_code);
-        let start = run.start;
+        let (start, regulated) = (run.start, run.regulated);
         let Some((command, reference)) = asked else {
             self.no_drive();
             return count;
         };
         // Not `clamp`, which panics where it cannot see that the limit is positive.
         let cut = command.min(limit).max(-limit);
-        match self.board.drive().apply(cut) {
-            Ok(applied) => self.applied = applied,
-            Err(_) => self.fail(FaultCause::DriveStage, command, 0),
+        if regulated {
+            self.regulate(cut);
+        } else {
+            match self.board.drive().apply(cut) {
+                Ok(applied) => self.applied = applied,
+                Err(_) => self.fail(FaultCause::DriveStage, command, 0),
+            }
         }
         start.wrapping_add(reference)
     }

@@ -87,7 +87,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
 
     /// Starts the next run from where it lies: a controller's plan is long, and copied once only.
     fn start(&mut self, count: i32) -> Result<(), CommandError> {
-        let Some((order, bounds)) = self.channels.runs.peek() else {
+        let Some((order, bounds, current)) = self.channels.runs.peek() else {
             return Ok(());
         };
         let bounds: Bounds = *bounds;
@@ -116,6 +116,10 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
                 (Source::Control, Mode::Hold)
             }
         };
+        let regulated = current.is_some();
+        if let Some(current) = current {
+            self.controller.start_current(*current);
+        }
         if self.board.drive().enable().is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
             return Err(CommandError::Faulted);
@@ -129,6 +133,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
             ticks: 0,
             max_ticks: bounds.max_ticks,
             mode,
+            regulated,
             over_current_ticks: 0,
         });
         self.board.retained().write(Remembered::Running(self.now).to_words());
