@@ -21,6 +21,11 @@ fn main() {
         println!("cargo:rustc-link-arg-bin=nucleo-g474re-tick=--entry=nucleo_tick");
         println!("cargo:rerun-if-changed=../memory.x");
     }
+    if bare && std::env::var_os("CARGO_FEATURE_BOARD_PICO2").is_some() {
+        println!("cargo:rustc-link-arg-bin=pico2=-T{folder}/src/board/pico2/link.x");
+        println!("cargo:rustc-link-arg-bin=pico2-tick=--entry=pico2_tick");
+        println!("cargo:rerun-if-changed=src/board/pico2/link.x");
+    }
     if bare && std::env::var_os("CARGO_FEATURE_INTEGER_TICK").is_some() {
         println!("cargo:rustc-link-arg-bin=integer-tick=--entry=integer_tick");
     }

@@ -71,9 +71,9 @@ def markdown(folder):
     common = set.intersection(*cases)
     methods = {name: [r for r in rows if (r.hidden, r.size, r.seed) in common] for name, rows in methods.items()}
     chosen = json.loads((folder / "chosen.json").read_text())
-    lines = [f"{len(common)} sessions, each by every method. Tuned: " + "; ".join(
-        f"{m}: smoothing over {s['window']} samples, threshold {s['threshold']}"
-        + (f", subdomains of ±{1e3 * s['half_s']:.0f} ms" if s["half_s"] else "") for m, s in chosen.items()) + ".", ""]
+    lines = [f"{len(common)} sessions, each by every method. " + " ".join(
+        f"Tuned for {m}: smoothing over {s['window']} samples, threshold {s['threshold']}"
+        + (f", subdomains of ±{1e3 * s['half_s']:.0f} ms" if s["half_s"] else "") + "." for m, s in chosen.items()), ""]
     lines += ["| | " + " | ".join(methods) + " |", "|---|" + "---|" * len(methods)]
 
     def line(title, cell):

@@ -2,10 +2,10 @@
 //!
 //! `--world unkind` makes it in the unkind world, `--world unkind:jitter,torque` with these items alone.
 //! With `--csv FILE` cases that the file holds already are not run again; `--table` only draws the tables of the file.
-//! `--pairs N` hides N random pairs instead, `--drawn N` one, two or three random effects in N cases of each seed. `--jobs N`
-//! works on N cases at once, each on one core: the seconds are then those of one core. `--limit N`, with one job, gives a
-//! case up after N s of the processor: its row is written and the program ends with code 3; begun again, it goes on with
-//! the next case.
+//! `--pairs N` hides N random pairs instead, `--drawn N` one, two or three random effects in N cases of each seed.
+//! `--jobs N` works on N cases at once, each on one core: the seconds are then those of one core. `--limit N`, with one
+//! job, gives a case up after N s of the processor. Its row is written, and the program ends with code 3. Begun again,
+//! the program goes on with the next case.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;

@@ -1,4 +1,4 @@
-//! Sentences of a Markdown page that are longer than a person reads at once.
+//! Sentences of a Markdown page, or of the comments of a Rust source, that are longer than a person reads at once.
 
 use std::iter;
 
@@ -85,6 +85,23 @@ pub fn long(page: &str) -> Vec<Long> {
     found
 }
 
+/// The comments of a Rust source as a page with as many lines: a line of code is an empty one.
+///
+/// A comment after code is left out: its line has no room for so many words.
+fn comments(source: &str) -> String {
+    let comment = |line: &str| {
+        let text = line.trim_start().strip_prefix("//")?;
+        let text = text.strip_prefix(['/', '!']).unwrap_or(text);
+        Some(text.strip_prefix(' ').unwrap_or(text).to_owned())
+    };
+    source.lines().map(|line| comment(line).unwrap_or_default() + "\n").collect()
+}
+
+/// Sentences of more than [`MOST_WORDS`] words in the comments and doc comments of a Rust source.
+pub fn long_in_comments(source: &str) -> Vec<Long> {
+    long(&comments(source))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -105,5 +122,24 @@ mod tests {
         assert_eq!((found.len(), found[0].line, found[0].words), (1, 3, 29), "{found:?}");
         let item = format!("1. Short.\n2. {}\n   {}\n", words(13), words(13));
         assert_eq!(long(&item).iter().map(|long| (long.line, long.words)).collect::<Vec<_>>(), [(2, 26)]);
+    }
+
+    #[test]
+    fn a_long_sentence_of_a_comment_is_found_and_code_is_no_comment() {
+        let words = |count: usize| "word ".repeat(count).trim_end().to_owned();
+        let fine = format!("//! {}.\n//! {}.\n\n/// {}\nlet a = \"{}\";\n", words(25), words(25), words(20), words(40));
+        assert_eq!(long_in_comments(&fine), []);
+        let apart = format!("/// {}\n///\n/// {}\n// {}\n\n    // {}\n", words(20), words(20), words(5), words(20));
+        assert_eq!(long_in_comments(&apart), []);
+        let block = format!("/// Short:\n///\n///     {}\n", words(40));
+        assert_eq!(long_in_comments(&block), []);
+
+        let places = |source: &str| -> Vec<(usize, usize)> {
+            long_in_comments(source).iter().map(|long| (long.line, long.words)).collect()
+        };
+        for slashes in ["//", "///", "//!"] {
+            let two = format!("fn f() {{\n    {slashes} {}\n    {slashes} {}.\n}}\n", words(13), words(13));
+            assert_eq!(places(&two), [(2, 26)], "{two}");
+        }
     }
 }

@@ -10,6 +10,7 @@ use crate::emulator;
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
+use crate::rp2350;
 use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
 use crate::words::words_interface_licences;
@@ -71,7 +72,20 @@ fn steps(report: &mut Report) -> Result<()> {
         }
         _ => true,
     };
-    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), false))?;
+    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), emulated, false))?;
+    let mut python = None;
+    report.check("Python for the emulated Pico 2", || {
+        python = Some(rp2350::emulator());
+        match &python {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    match python {
+        Some(Ok(python)) => report.check("the Pico 2's image on an emulated core", || rp2350::emulate(&python))?,
+        Some(Err(error)) => report.not_run(format!("the Pico 2's image on an emulated core: {error:#}")),
+        None => (),
+    }
     report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some(), emulated)))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))

@@ -14,7 +14,9 @@ use crate::run::{answer, cargo, root, run, run_within, succeeds};
 const M4F: &str = "thumbv7em-none-eabihf";
 /// Cortex-M0+: no FPU, no hardware division.
 const M0: &str = "thumbv6m-none-eabi";
-const TARGETS: [&str; 2] = [M4F, M0];
+/// Cortex-M33 with its FPU: the Pico 2.
+const M33: &str = "thumbv8m.main-none-eabihf";
+const TARGETS: [&str; 3] = [M4F, M0, M33];
 
 /// What is built for a target.
 pub struct Build {
@@ -76,6 +78,14 @@ pub const NUCLEO: Build = Build {
     target: M4F,
     packages: &["breakaway-firmware"],
     arguments: &["--bin", "nucleo-g474re", "--bin", "nucleo-g474re-tick", "--features", "board-nucleo-g474re"],
+    profile: FLASH,
+};
+
+/// The Pico 2's image, and its tick alone, which links only if it cannot panic.
+pub const PICO2: Build = Build {
+    target: M33,
+    packages: &["breakaway-firmware"],
+    arguments: &["--bin", "pico2", "--bin", "pico2-tick", "--features", "board-pico2"],
     profile: FLASH,
 };
 

@@ -18,7 +18,7 @@ const MEMORY_MIB: u64 = 1024;
 /// A run takes a second to start, s.
 const SHORTEST_S: f64 = 10.0;
 
-/// What libFuzzer says of a run.
+/// libFuzzer's report of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Outcome {
     executions: u64,
@@ -95,7 +95,8 @@ fn grown(target: &str, kind: &str) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// libFuzzer counts the time by the clock, of which a busy machine gives a part: it runs again for what it did not get.
+/// Runs libFuzzer until the processor worked `seconds` for it. It counts time by the clock, and a busy machine gives it
+/// only a part of that. So it runs again for the rest.
 fn one(target: &str, seconds: u64) -> Result<Outcome> {
     let mut all = Outcome::default();
     while all.found.is_none() && all.time_s.round() < seconds as f64 {

@@ -1,5 +1,5 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `budget`, `fuzz`, `miri`, `arrows`, `bench`, `blind`,
-//! `machines`, `loops`, `soak`, `fleet-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`.
 
 mod arrows;
 mod bench;
@@ -15,6 +15,7 @@ mod loops;
 mod miri;
 mod qemu;
 mod report;
+mod rp2350;
 mod run;
 mod setup;
 mod soak;
@@ -37,6 +38,10 @@ enum Task {
     Image,
     /// Run the NUCLEO-G474RE's image on models of its registers, and fetch Unicorn, which executes it, if it is missing
     Emulator,
+    /// Build the Pico 2's firmware as images/pico2.uf2 in the target folder, to be dropped on the board
+    Uf2,
+    /// Run the Pico 2's firmware on an emulated core; needs Python and PyPI
+    Pico2Test,
     /// Measure the firmware: instructions per tick, flash, RAM, stack; no floats and no panic in the integer tick
     #[command(alias = "size")]
     Budget {
@@ -104,6 +109,8 @@ fn main() -> ExitCode {
         Task::Setup => setup::all(),
         Task::Emulator => emulator::all(),
         Task::Image => image::all(),
+        Task::Uf2 => rp2350::all(),
+        Task::Pico2Test => rp2350::test(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),
         Task::Arrows => arrows::draw(),

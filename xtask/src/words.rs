@@ -1,4 +1,4 @@
-//! What is checked beside the code: words, the interface of the core, and the dependencies' licences and sources.
+//! The checks beside the code: words, the interface of the core, and the dependencies' licences and sources.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -19,9 +19,9 @@ fn typos() -> Result<PathBuf> {
     Ok(python.with_file_name("typos"))
 }
 
-/// Wrong words fail, in source and pages. So do licences and sources of the dependencies that deny.toml does not allow, and
-/// changes of the core's interface that its version does not announce: by programs that take long to build, where they are
-/// installed.
+/// Wrong words in source and pages fail. So do licences and sources of the dependencies that deny.toml does not allow.
+/// So do changes of the core's interface that its version does not announce. The programs that check them take long to
+/// build, so that each check is made only where its program is installed.
 pub fn words_interface_licences(report: &mut Report) -> Result<()> {
     match typos() {
         Ok(program) => report.check("words (typos)", || run(Command::new(program).current_dir(root())))?,

@@ -1,6 +1,6 @@
-//! Our estimators and the papers' formulas on relay experiments of the hidden plant: `friction FOLDER FIRST LAST` writes the
-//! recordings (`friction.csv`, `friction.bin`: drive and position) for `bench/peers/friction.py` to read, and what they give
-//! here (`friction_ours.csv`).
+//! Our estimators and the papers' formulas on relay experiments of the hidden plant. `friction FOLDER FIRST LAST`
+//! writes the recordings of drive and position (`friction.csv`, `friction.bin`), which `bench/peers/friction.py` reads.
+//! It also writes the estimates of both (`friction_ours.csv`).
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;

@@ -1,5 +1,6 @@
-//! Our sine fits on the records that `bench/peers/sine.py` has drawn: `sine FOLDER` reads `sine.csv` (samples, period and
-//! estimate of each record) and `sine.bin` (their samples), and writes `sine_ours.csv`.
+//! Our sine fits on the records that `bench/peers/sine.py` has drawn. `sine FOLDER` reads `sine.csv`, which has the
+//! samples, the period and the estimate of each record. It reads their samples from `sine.bin`, and writes
+//! `sine_ours.csv`.
 
 use std::fmt::Write as _;
 use std::fs;

@@ -7,7 +7,7 @@
 //! u = kp·e + S      S⁺ = S + ki·e      kp = a·ωc·Ts·R/(1 − a)      ki = ωc·Ts·R
 //! ```
 //!
-//! With L = 0, not known, it is an integral alone; the back-EMF is a disturbance that S follows. The delay from the
+//! With L = 0, not known, it is an integral alone. The back-EMF is a disturbance that S makes up for within L/R. The delay from the
 //! reading to the middle of the voltage's hold takes ωc·delay of the phase of 90° (docs/control.md, section "The current
 //! loop").
 

@@ -3,11 +3,11 @@
 //! One turn is 2³² phase units, so the phase wraps by itself and never loses resolution, however long the record. An
 //! f32 recursive oscillator is 5.5 % off in amplitude after 2·10⁶ steps.
 //!
-//! [`sin_cos`] looks up the nearest of 256 points of the circle and interpolates with the derivatives that the table
-//! already holds, `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256.
-//! The truncation is `δ⁴/24 = 9.5e-10`; with the Q30 rounding the worst measured error is 2.6e-9
-//! (2.8 Q30 steps), where a 10-bit table without interpolation errs by 3e-3 and floors amplitudes at 1e-3.
-//! Integers only: it runs in the tick of a core without an FPU, in a quarter of a KiB of table: the first quarter turn.
+//! [`sin_cos`] looks up the nearest of 256 points of the circle. It interpolates with the derivatives that the table
+//! already holds: `sin(a+δ) = sin a·cos δ + cos a·sin δ` with `sin δ = δ − δ³/6`, `cos δ = 1 − δ²/2`, |δ| ≤ π/256. The
+//! truncation is `δ⁴/24 = 9.5e-10`. With the Q30 rounding the worst measured error is 2.6e-9 (2.8 Q30 steps). A 10-bit
+//! table without interpolation errs by 3e-3 and floors amplitudes at 1e-3. It uses integers only, for the tick of a
+//! core without an FPU. The table is the first quarter turn, a quarter of a KiB.
 
 use crate::says::says;
 use core::f64::consts::TAU;

@@ -8,9 +8,10 @@ mod image {
         App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
         remember_panic,
     };
+    use breakaway_firmware::board::RetainedRam;
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
     use breakaway_firmware::board::nucleo_g474re::{
-        Nucleo, Parts, RetainedRam, Serial, SettingsFlash, TickSlot, acknowledge_ecc, open_all_switches, start,
+        Nucleo, Parts, Serial, SettingsFlash, TickSlot, acknowledge_ecc, open_all_switches, start,
     };
     use breakaway_firmware::storage::FlashStore;
     use cortex_m::asm::wfi;

@@ -17,7 +17,12 @@ pub mod mps2_an386;
 #[cfg(all(target_os = "none", feature = "board-nucleo-g474re"))]
 #[allow(unsafe_code, reason = "interrupt and retained RAM of the board")]
 pub mod nucleo_g474re;
+#[cfg(any(not(target_os = "none"), feature = "board-pico2"))]
+pub mod pico2;
 mod protection;
+#[cfg(all(target_os = "none", any(feature = "board-nucleo-g474re", feature = "board-pico2")))]
+#[allow(unsafe_code, reason = "a static that start-up code leaves alone")]
+mod retained_ram;
 #[cfg(all(target_os = "none", any(feature = "board-mps2-an386", feature = "board-nucleo-g474re")))]
 #[allow(unsafe_code, reason = "routines that the compiler calls")]
 pub mod routines;
@@ -28,6 +33,8 @@ pub use clock::{Clock, elapsed_us};
 pub use drive::{Applied, Drive, FULL_SCALE};
 pub use encoder::{Encoder, travel};
 pub use protection::{Protection, RETAINED_WORDS, Retained, Trip};
+#[cfg(all(target_os = "none", any(feature = "board-nucleo-g474re", feature = "board-pico2")))]
+pub use retained_ram::RetainedRam;
 pub use sign_magnitude::{ConfigError, DriveError, Limits, SignMagnitude};
 pub use wire::Wire;
 

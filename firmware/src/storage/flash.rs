@@ -3,10 +3,10 @@
 //! A page holds one record:
 //! `mark ‖ version ‖ length ‖ sequence ‖ settings and model (postcard) ‖ CRC-32 of all behind the mark`, numbers
 //! little endian. A save writes the whole record to the page that is not in force, and reads it back. Only then it
-//! programs the other page's mark, which puts that out of force. The next save erases it. So
-//! - a power cut leaves the record from before, or the new one. Of two in force the one of the later sequence number
-//!   counts, and reading them marks the other;
-//! - a record that is damaged later has none beside it that could pass for it: it is lost, and said to be.
+//! programs the other page's mark, which puts that page out of force. The next save erases it. This has two effects.
+//! - A power cut leaves the record from before, or the new one. Of two in force the one with the later sequence number
+//!   counts, and reading them marks the other.
+//! - A record that is damaged later has none beside it that could pass for it. It is lost, and reported as lost.
 
 use core::ops::Range;
 
@@ -40,8 +40,8 @@ struct Record<'b> {
 }
 
 impl<F: NorFlash> FlashStore<F> {
-    /// In the first two pages of `range` of `flash`; `None` unless these are whole erase pages that take a record, of a
-    /// flash that programs words of 8 bytes or fewer.
+    /// The store in the first two pages of `range` of `flash`. `None` unless `range` begins with two whole erase pages,
+    /// each of which takes a record. Also `None` where the flash programs words that do not divide 8 bytes.
     pub fn new(flash: F, range: Range<u32>) -> Option<Self> {
         let page = F::ERASE_SIZE as u32;
         let fits = range.start.is_multiple_of(page) && range.end.checked_sub(range.start)? >= 2 * page;

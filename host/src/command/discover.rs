@@ -107,7 +107,8 @@ impl Args {
     }
 }
 
-/// Reads the inputs and discovers; `progress` is told what is being done. With the discovery come the folds of its effects.
+/// Reads the inputs and discovers; `progress` is called at the start of each step. Gives the discovery with the folds
+/// of its effects.
 ///
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
@@ -220,7 +221,7 @@ fn in_words(found: &Discovery) -> String {
     text
 }
 
-/// The numbers of the first round, for who asks for more.
+/// The numbers of the first round, for the longer text.
 fn comparison(found: &Discovery) -> String {
     let mut text = String::from("\ncandidates of the first round:\n");
     for row in found.candidates.iter().take(8) {

@@ -1,6 +1,6 @@
 //! The commands: one file each, with its arguments and a `run`.
 //!
-//! A new command is a variant of [`CliCommand`], an arm in [`run`], and its file.
+//! A new command is a variant of [`CliCommand`], an arm in [`run()`], and its file.
 
 pub mod capture;
 pub mod completions;

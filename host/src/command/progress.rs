@@ -35,8 +35,8 @@ pub fn spinner() -> ProgressBar {
 const WITHOUT_COUNT: &str = "{spinner} {msg} {elapsed}";
 const WITH_COUNT: &str = "{spinner} {msg} [{bar:24}] {pos}/{len}, {eta} left";
 
-/// The steps of a discovery: on a terminal a spinner, and a bar with the time that is left where candidates are compared; lines with
-/// `-v`.
+/// The steps of a discovery. A terminal shows a spinner, and a bar with the time that is left while candidates are
+/// compared. With `-v` the steps are lines.
 #[derive(Debug)]
 pub struct Steps {
     spinner: ProgressBar,

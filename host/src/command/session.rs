@@ -6,7 +6,7 @@ use super::recording_args::RecordingArgs;
 use crate::file::shown;
 use crate::recording::{Recording, RecordingError, SessionError, Units, Warning};
 
-/// Recordings of which each moves, and what is to be said of the others.
+/// Recordings that all move, with a remark for each that does not and was left out.
 #[derive(Debug, Default)]
 pub struct Session {
     /// The recordings that move, in the order in which they were given; at least one.

@@ -49,7 +49,7 @@ mod past {
 
     use breakaway_core::link::{Command, Decoder, MAX_FRAME, Message, Reply, Request, encode};
 
-    use crate::device::{DeviceError, port, share};
+    use crate::device::{DeviceError, port};
 
     /// How long the board's answer is looked for, which the other program may read instead.
     const ANSWER: Duration = Duration::from_secs(1);
@@ -62,7 +62,7 @@ mod past {
         let busy = |_| DeviceError::Busy { port: name.to_owned() };
         let mut port = File::from(port::raw(name).map_err(busy)?);
         let mut frame = [0; MAX_FRAME];
-        let request = Request { id: ID.max(share::FIRST_GUEST_ID), command: Command::Stop };
+        let request = Request { id: ID, command: Command::Stop };
         let used = encode(&request, &mut frame).map_err(|_| DeviceError::Nonsense { command: "stop" })?;
         let message: Vec<u8> = std::iter::once(0).chain(frame.into_iter().take(used)).collect();
         let (start, mut decoder, mut buffer) = (Instant::now(), Decoder::new(), [0; 1024]);

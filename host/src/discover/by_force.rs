@@ -1,8 +1,10 @@
-//! The judge's names as a model: the simulated motion gives the parameters that are printed and the ladder; it does not decide.
+//! The judge's names as a model. The simulated motion gives the parameters that are printed, and the ladder. It adds no
+//! name; it only takes back names that lower no simulation error.
 
 use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
+use super::decide::{NAMING, paired};
 use super::engine::{DiscoverError, Request, assembled, prepared, radians};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
@@ -18,7 +20,7 @@ use crate::recording::Units;
 /// Iterations of the fit of the simulated motion.
 const ITERATIONS: usize = 20;
 
-/// What the judge's ruling comes to as a discovery.
+/// The discovery that the judge's ruling gives.
 ///
 /// # Errors
 /// [`DiscoverError`] where no base can be simulated at all.
@@ -58,7 +60,7 @@ pub(super) fn found(
     if !ruling.findings.is_empty() {
         ladder.push(rung(data, &fit));
     }
-    if let Some(reason) = contradicted(ruling, &ladder) {
+    if let Some(reason) = contradicted(ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
         remarks.push(reason);
         let doubted = Ruling { findings: Vec::new(), ..ruling.clone() };
         let mut found = self::found(request, units, &doubted, progress)?;
@@ -82,8 +84,19 @@ pub(super) fn found(
     Ok(assembled(request, &start, units, ended, progress))
 }
 
-/// Why names that the measured forces bear out are not given all the same: the simulated motion is no better with them. Where a force
-/// repeats over position it has no say, for the simulated rotor is soon off by one tooth.
+/// Whether `fit` follows most held-out segments better than `base`. Where another effect is missing too, a few segments
+/// that it follows much worse outweigh the others in a mean square.
+fn follows(data: &Data, base: &Fit, fit: &Fit) -> bool {
+    let held_out = data.over(&data.score);
+    let [before, after] = [base, fit].map(|fit| held_out.score(&fit.candidate));
+    let samples = vec![1.0; after.len()];
+    let compared = paired(&before, &after, &samples, data.sigma);
+    compared.delta >= NAMING.delta && compared.z >= NAMING.z
+}
+
+/// Why names of the measured forces are taken back; `None` where they stay. They go where the simulated motion is no
+/// better with them. Names that all repeat over position stay: a simulated rotor is soon off by one tooth, so its error
+/// says nothing.
 fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     let others: Vec<&str> = ruling
         .findings
@@ -100,7 +113,7 @@ fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     })
 }
 
-/// Share of the held-out simulation error that names must leave below.
+/// Share of the held-out simulation error below which names must bring it, over segments or in open loop.
 const BETTER: f64 = 0.95;
 
 /// The measured forces of a ruling, as the report shows them.
@@ -117,7 +130,7 @@ pub(super) fn force(ruling: &Ruling) -> Force {
     }
 }
 
-/// The verdict by what is predictable of the force that is left, and what is random.
+/// The verdict: by whether something was named, and by whether the force that is left can be predicted.
 fn verdict(ruling: &Ruling) -> Verdict {
     match (ruling.findings.is_empty(), ruling.remainder.predictable) {
         (false, None) => Verdict::Explained,
@@ -127,8 +140,10 @@ fn verdict(ruling: &Ruling) -> Verdict {
     }
 }
 
-/// The model with the findings: fitted to the simulated motion, or with the parameters of the force fit where that follows the
-/// open loop better, as behind teeth of which the simulated rotor is soon off by one.
+/// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in three
+/// cases. The motion gives none; or it loses an effect; or its parameters follow the open loop less well. The last
+/// happens behind teeth, where a simulated rotor is soon off by one. Where neither can be simulated the base is
+/// returned.
 fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool, remarks: &mut Vec<String>) -> Fit {
     let mut candidate = Candidate { base: ruling.base, effects: base.candidate.effects.clone() };
     candidate.effects.extend(ruling.findings.iter().map(|finding| finding.effect));
@@ -172,8 +187,9 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool, remarks: &m
     by_force
 }
 
-/// The candidate with whole waves in a turn for the effects after the first `known`, where they have a number near a whole one and the
-/// position is an angle. The force fit tells such a number from few turns.
+/// The candidate with a whole number of waves in a turn for each effect after the first `known` that is near one.
+/// `None` where no effect is, or where the position is no angle. The force fit tells such a number from few turns, so
+/// it may be off.
 fn in_whole_waves(candidate: &Candidate, known: usize, rotary: bool) -> Option<Candidate> {
     let model = Model::new(candidate);
     let added = known..candidate.effects.len();
@@ -182,7 +198,8 @@ fn in_whole_waves(candidate: &Candidate, known: usize, rotary: bool) -> Option<C
     whole.filter(|_| rotary).map(|whole| whole.candidate())
 }
 
-/// The first effect whose main parameter the simulated motion brings below a tenth of the force fit's, or above ten times it.
+/// The first effect that the simulated motion changes too much. Its main parameter is then below a tenth of the force
+/// fit's, or above ten times it.
 fn lost(candidate: &Candidate, known: usize, ruling: &Ruling) -> Option<&'static str> {
     let own = candidate.effects.iter().skip(known).zip(&ruling.findings);
     let far = |(effect, finding): &(&Effect<f64>, &Finding)| {
@@ -203,8 +220,8 @@ fn rivals(finding: &Finding) -> Vec<Rival> {
     tied.map(|(kind, z)| Rival { kind: *kind, delta: 0.0, z: *z, tied: true }).collect()
 }
 
-/// A discovery of the simulated motion with the ties of the names that it took over from the judge: only at the sensor's noise does
-/// the motion tell what the forces do not.
+/// A discovery of the simulated motion, with the judge's ties for each name that the judge gave too. Down to the
+/// sensor's noise it has no such ties: there the motion tells what the forces do not.
 pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discovery {
     if small.down_to_the_noise() {
         return small;
@@ -219,10 +236,10 @@ pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discov
     small
 }
 
-/// Of what the judge named, and the simulated motion replaced.
+/// Fate of an effect that the judge named and the simulated motion replaced.
 const REPLACED: &str = "named by the measured forces; the simulated motion bears out another in its place";
 
-/// The judge's first round as lines of the table, of a discovery that named `named`.
+/// The judge's first round as lines of the table. The fate of each line is its fate beside `named`.
 pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> {
     let fate = |kind: Kind| {
         let tied = |own: &NamedEffect| own.rivals.iter().any(|rival| rival.tied && rival.kind == kind);
@@ -274,7 +291,8 @@ mod tests {
 
     use super::*;
 
-    /// 3.0855 waves, as the forces of a virtual board gave for 3: whole along an angle, not along a slide, and not of what was known.
+    /// A virtual board's forces gave 3.0855 waves for 3. The number becomes whole along an angle; it does not along a
+    /// slide, or for an effect that was known before.
     #[test]
     fn waves_near_a_whole_number_are_tried_whole() {
         let ripple = Effect::new(Kind::PositionFriction, &[0.56, 3.0855, 0.97]);

@@ -8,15 +8,15 @@ use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
 pub const FIT_SEGMENT_S: f64 = 0.4;
-/// The same where the motion is so sensitive (a rotor that falls into one of many teeth) that no longer segment can be
-/// followed by any model.
+/// Length of the segments where the motion is so sensitive that no model follows a longer one, s. A rotor that falls
+/// into one of many teeth moves so.
 pub const SHORT_SEGMENT_S: f64 = 0.1;
 /// Windows of the open-loop score, s.
 pub const OPEN_LOOP_S: f64 = 1.0;
-/// Most segments that are simulated; longer sessions are sampled evenly over the session.
+/// Most segments that are simulated. Longer sessions are thinned evenly.
 const MAX_FIT_SEGMENTS: usize = 120;
 const MAX_SCORE_SEGMENTS: usize = 80;
-/// Measured motion followed before a segment, s.
+/// Measured motion that an effect's memory follows before a segment starts, s.
 pub const WARM_UP_S: f64 = 0.3;
 
 /// Prepared recordings.
@@ -30,20 +30,21 @@ pub struct Data {
     pub score: Vec<Segment>,
     /// Held-out windows of the open-loop score.
     pub open_loop: Vec<Segment>,
-    /// Held-out windows in which a model is asked to follow the motion beyond a segment: as many times longer than one as
-    /// those of the open-loop score are longer than a segment of [`FIT_SEGMENT_S`].
+    /// Held-out windows over which a model must follow the motion for longer than a segment. They are 2.5 times as long
+    /// as a segment: [`OPEN_LOOP_S`] over [`FIT_SEGMENT_S`].
     pub ahead: Vec<Segment>,
     /// Length of the segments, s.
     pub segment_s: f64,
-    /// Noise floor of the position.
+    /// Noise floor of the position: the median of the tracks' standard deviations, position units.
     pub sigma: f64,
     /// Segments there were before sampling.
     pub available: usize,
-    /// Delays up to which the sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    /// Longest delay that the sensor's own clock explains, s (see [`Recording::unsure_s`]).
     pub unsure_s: f64,
-    /// Mean square below which differences between models do not count; 0 for the noise's.
+    /// Mean square below which differences between models do not count, position units squared; 0 where the noise sets
+    /// it.
     pub softening: f64,
-    /// Simulated samples so far, of all that was done with these data.
+    /// Samples simulated so far, by everything that was done with these data.
     pub work: Arc<AtomicU64>,
 }
 

@@ -7,20 +7,20 @@ pub struct Thresholds {
     pub delta: f64,
     /// Least z of that.
     pub z: f64,
-    /// Least effective log-likelihood ratio after the price.
+    /// Least effective log-likelihood ratio after the price, nats.
     pub lambda: f64,
-    /// Price of one parameter.
+    /// Price of one parameter, nats.
     pub price: f64,
 }
 
 /// The calibrated ones.
 pub const NAMING: Thresholds = Thresholds { delta: 0.002, z: 2.0, lambda: 25.0, price: 3.5 };
-/// Those of a further effect that does not close the gap: a fit that nearly explains a record leaves outliers, which any flexible
-/// effect thins.
+/// Thresholds of a further effect that does not close the gap. They are stricter because a fit that nearly explains a
+/// record leaves outliers, which any flexible effect makes fewer.
 pub const FURTHER: Thresholds = Thresholds { delta: 0.05, ..NAMING };
 /// Two models are tied while the z of their paired difference is below this.
 pub const TIED_Z: f64 = 2.5;
-/// Likelihood ratio and z from which a few segments are enough.
+/// Likelihood ratio, nats, and z above which a few segments are enough.
 const BEYOND_DOUBT: f64 = 100.0;
 const BEYOND_DOUBT_Z: f64 = 1.2;
 
@@ -31,7 +31,7 @@ pub struct Paired {
     pub delta: f64,
     /// Its z score.
     pub z: f64,
-    /// Effective log-likelihood ratio, without its two best segments.
+    /// Effective log-likelihood ratio, nats, without the two segments that favour b most.
     pub lambda: f64,
 }
 
@@ -50,14 +50,15 @@ pub fn paired(a: &[f64], b: &[f64], samples: &[f64], sigma: f64) -> Paired {
 }
 
 impl Paired {
-    /// Whether `b`, which costs `parameters` more, may be named: by most segments, or, where a few show it (reversals, a phase
-    /// of rest), by a likelihood beyond doubt.
+    /// Whether `b`, which costs `parameters` more, may be named. Most segments must show it, or a few must show it
+    /// beyond doubt. A reversal or a phase of rest shows an effect in few segments.
     pub fn names(&self, parameters: usize, t: &Thresholds) -> bool {
         let lambda = self.lambda - t.price * parameters as f64;
         self.delta >= t.delta && ((self.z >= t.z && lambda >= t.lambda) || self.beyond_doubt(parameters, t.price))
     }
 
-    /// Whether the likelihood, which is without the two best segments, needs no vote of most segments.
+    /// Whether the likelihood is so large that it needs less than the z of a name. The two best segments are left out
+    /// of it.
     pub fn beyond_doubt(&self, parameters: usize, price: f64) -> bool {
         self.z > BEYOND_DOUBT_Z && self.lambda - price * parameters as f64 > BEYOND_DOUBT
     }

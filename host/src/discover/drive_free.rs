@@ -1,7 +1,7 @@
-//! What a curve follows that knows nothing of the drive: the least that a model has to beat.
+//! The error of a curve that does not use the drive: a model must beat it.
 //!
-//! Over each window a cubic polynomial in time is fitted to the position by least squares. A model whose simulation over the same
-//! windows is further off than this curve has learnt nothing from the drive.
+//! The curve is a cubic polynomial in time, fitted to the position over each window by least squares. A model that is
+//! further off over the same windows has learnt nothing from the drive.
 
 use super::data::Data;
 

@@ -1,5 +1,5 @@
-//! The way through a discovery: the judge rules on the forces, the simulated motion gives parameters and small effects, and what was
-//! found is assembled.
+//! The way through a discovery. The judge rules on the forces. The simulated motion gives parameters and small effects.
+//! What was found is then assembled.
 
 use std::time::Instant;
 
@@ -24,21 +24,22 @@ use super::unweighed;
 use super::where_map;
 use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
 use crate::identify::estimate::{self, IdentifyError};
-use crate::recording::{Recording, Units};
+use crate::recording::{Recording, Units, in_session_order};
 
-/// Held-out simulation error over the sensor's noise from which a machine moves by more than that noise for reasons of its own, and no
-/// effect brings it down to it.
+/// Held-out simulation error, over the sensor's noise, above which the simulated motion is not searched. Such a machine
+/// moves by more than the noise for reasons of its own, and no effect brings the error down to it.
 const ROUGH: f64 = 150.0;
-/// The same up to which random torque explains it, where what is left of the force is so many times the sensor's share in wide
-/// windows and nothing predicts it with a z over blocks that a name needs.
-const SHAKEN: [f64; 2] = [5.0, 5.0];
-/// The same up to which the sensor's noise is all that is left.
+/// Held-out simulation error, over the sensor's noise, up to which nothing but that noise is left.
 const AT_THE_NOISE: f64 = 1.1;
-/// Times that the recordings are given one zero.
+/// Force that is left in wide windows, over what the sensor's noise makes of it, from which random torque shakes the
+/// machine.
+const SHAKEN: f64 = 5.0;
+/// Most times that the recordings are moved to one zero.
 const REZEROED: usize = 2;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
-/// A given model's inertia further off than this factor cannot be of this machine and these units.
+/// Largest factor between a given model's inertia and the recordings'. Beyond it the model is of another machine, or in
+/// other units.
 const UNITS_FACTOR: f64 = 20.0;
 
 /// Why there is no discovery.
@@ -95,17 +96,19 @@ pub struct Request {
     pub provenance: Provenance,
 }
 
-/// Finds what the model misses. `progress` is told what is being done.
+/// Finds what the model misses. `progress` is called at the start of each step.
 ///
-/// The judge rules on the measured forces. Where the machine is so quiet that the sensor's noise may be all that is left, the
-/// simulated motion is asked for effects too small for that, and is believed where open loop and forces corroborate it.
+/// The judge rules on the measured forces. Then the simulated motion is searched for effects too small for the forces.
+/// The search is left out where the error is far above the sensor's noise. What it finds replaces the judge's names
+/// only where open loop and forces corroborate it.
 ///
 /// # Errors
 /// [`DiscoverError`].
 pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, DiscoverError> {
     let began = Instant::now();
     let units = same_units(request)?;
-    let (request, age_s) = on_the_sensors_clock(request);
+    let [recordings, holdout] = [&request.recordings, &request.holdout].map(|all| in_session_order(all));
+    let (request, age_s) = on_the_sensors_clock(&Request { recordings, holdout, ..request.clone() });
     let request = &request;
     progress(Progress::Step("judging the measured forces"));
     let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
@@ -146,7 +149,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     Ok(found)
 }
 
-/// The ruling on a request, and the request with one zero for all recordings, where a law of the position shows that each had its own.
+/// The ruling on a request, and the request with one zero for all recordings. Positions move only where a law of the
+/// position shows that each recording had its own zero; the last value says whether they did.
 fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, Option<Ruling>, bool) {
     let settings = judge::settings::Settings::default();
     let rule = |request: &Request, half_width_s: f64| {
@@ -157,7 +161,7 @@ fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, O
     let mut request = request.clone();
     let mut ruling = rule(&request, 0.0);
     let mut rezeroed = false;
-    // A second law of the position may tell the zeros better than the first.
+    // A second law of the position may tell the zeros better than the first did.
     for _ in 0..REZEROED {
         let Some((first, own)) = request.recordings.first().zip(ruling.as_ref()) else { break };
         let all: Vec<Recording> = request.recordings.iter().chain(&request.holdout).cloned().collect();
@@ -165,14 +169,15 @@ fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, O
         let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
         moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
         rezeroed = true;
-        // Where narrower windows named nothing they name nothing now.
+        // Narrower windows named nothing before, so they name nothing now.
         ruling = rule(&request, own.half_width_s);
     }
     (request, ruling, rezeroed)
 }
 
-/// The request with a row for each reading of the sensor, and the drive of the instant at which it was taken; and how old the readings
-/// are, s, where they are held.
+/// The request with one row for each reading of the sensor, and the age of the readings, s. Each row has the drive of
+/// the instant at which the reading was taken. `None` where no age was found: no reading is held, or the sensor's clock
+/// does not explain the best age.
 fn on_the_sensors_clock(request: &Request) -> (Request, Option<f64>) {
     let of = |recordings: &[Recording], holdout: &[Recording]| Request {
         recordings: Recording::refreshed_together(recordings),
@@ -190,30 +195,30 @@ fn on_the_sensors_clock(request: &Request) -> (Request, Option<f64>) {
     (of(&recordings, &aged(&request.holdout, &fresh.holdout)), Some(age_s))
 }
 
-/// The effects that the simulated motion is asked for. It can tell nothing where the machine moves by far more than its sensor's noise,
-/// or where what was found repeats over position and a simulated rotor is soon off by a tooth. Where random torque explains what is
-/// left, the measured forces have weighed all but the effects that act in less than a window.
+/// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise.
+/// There are none where all names repeat over position, because a simulated rotor is soon off by a tooth. Where random
+/// torque explains what is left, only effects that act in less than a window remain: the forces have weighed the
+/// others.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let ripples =
         !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let [simulated, left] = SHAKEN;
     let remainder = &ruling.remainder;
-    let shaken = (AT_THE_NOISE..simulated).contains(&found.over_noise())
-        && remainder.over_noise > left
+    let shaken = found.over_noise() > AT_THE_NOISE
+        && remainder.over_noise > SHAKEN
         && remainder.predictable.is_none()
         && remainder.significance < judge::settings::Settings::default().z;
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
 }
 
-/// Radians in a position unit; `None` where the position is no angle.
+/// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.
 pub(super) fn radians(units: &Units) -> Option<f64> {
     matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
 }
 
-/// The recordings with the forces of effects that are known already taken from the drive.
+/// The recordings with the forces of known effects taken from the drive.
 fn without_known(recordings: &[Recording], known: &[Effect<f64>]) -> Vec<Recording> {
     let forces: Vec<&Effect<f64>> = known.iter().filter(|e| e.kind.acts_in() == ActsIn::Force).collect();
     if forces.is_empty() {
@@ -258,7 +263,7 @@ pub(super) fn prepared(
     Ok(Prepared { data, base, remarks })
 }
 
-/// What a discovery comes to, with maps, overlays and the experiment that would decide.
+/// A finished discovery: what was found, with maps, overlays and the experiment that would decide a tie.
 pub(super) fn assembled(
     request: &Request,
     prepared: &Prepared,
@@ -316,7 +321,8 @@ fn same_units(request: &Request) -> Result<Units, DiscoverError> {
     }
 }
 
-/// Of several fits the one that the held-out recordings follow best in open loop; the first, where that comes down to the noise.
+/// The fit that the held-out recordings follow best in open loop. The first that comes down to the noise ends the
+/// search.
 fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Result<Fit, FitError> {
     let mut best: Result<(Fit, f64), FitError> = Err(FitError::NoSegment);
     for fit in fits {
@@ -337,8 +343,9 @@ fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Re
     best.map(|(fit, _)| fit)
 }
 
-/// The models to start from, and what identifying them from the recordings had to say: the given one; else by the estimators on the
-/// motion, and by the measured forces.
+/// The models to start from, and the remarks of identifying the base from the recordings. A given model is the only
+/// start. Without one there are two bases, by the estimators on the motion and by the measured forces. Only the second
+/// remains where the forces tell the inertia and name an effect.
 fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Candidate>, Vec<String>), DiscoverError> {
     let identified = estimate::starting_model(&request.recordings);
     let by_force = ruling.map(|ruling| ruling.base).filter(|base| base.b > 0.0);
@@ -347,7 +354,7 @@ fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Ca
         Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) }
     });
     let mut bases: Vec<Base<f64>> = own.into_iter().chain(by_force).collect();
-    // A base that misses an effect of the size of the drive is no base.
+    // A base that misses an effect as large as the drive is no start.
     if ruling.is_some_and(|ruling| ruling.tells_inertia() && !ruling.findings.is_empty()) {
         bases.reverse();
         bases.truncate(1);
@@ -362,7 +369,7 @@ fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Ca
     };
     let base = bases[0];
     let factor = (model.base.b / base.b).max(base.b / model.base.b);
-    // A base that misses the main effect does not tell units.
+    // A base that misses the main effect tells nothing of the units.
     if factor > UNITS_FACTOR && ruling.is_none_or(Ruling::tells_inertia) {
         return Err(DiscoverError::ModelUnits { model: model.base.b, data: base.b, factor });
     }
@@ -386,7 +393,7 @@ fn limits(data: &Data) -> Limits {
     Limits { drive, travel, tick_s: data.tracks[0].ts, sigma: data.sigma }
 }
 
-/// Up to three held-out windows: the ones in which the base is furthest off, one per recording first.
+/// Up to three held-out windows, at most one for each recording: those in which the base is furthest off.
 fn overlays(data: &Data, before: &Fit, after: &Fit) -> Vec<Overlay> {
     let problem = data.over(&data.open_loop);
     let mut order: Vec<(usize, f64)> = problem.score(&before.candidate).into_iter().enumerate().collect();

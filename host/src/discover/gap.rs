@@ -1,35 +1,36 @@
-//! How far a model is from the data that it was not fitted to, and whether an effect holds there.
+//! The error of a model on data that it was not fitted to, and whether an effect holds there.
 
 use rayon::prelude::*;
 
 use super::data::{Data, FIT_SEGMENT_S};
 use crate::fit::{Fit, SCORE_ITERATIONS, Segment};
 
-/// The gap, mean of ln((σ² + mse)/2σ²) over held-out segments, that counts as within the noise.
+/// The gap, the mean of ln((σ² + mse)/2σ²) over held-out segments, below which it is within the noise.
 const GAP_NOISE: f64 = 0.06;
 /// Share of held-out segments that may stay above twice the noise's mean square in an explained record.
 const LEFT_OVER: f64 = 0.05;
-/// The median segment's mean square over the noise's below which what is left lies in a few segments.
+/// Mean square of the median segment over the noise's. Below it, what is left lies in a few segments.
 const OUTLIERS: f64 = 1.15;
-/// The gap from which something is left: three of its standard deviations over 50 segments of 400 samples of noise.
+/// The gap above which something is left. It is three standard deviations of the gap over 50 segments of 400 samples of
+/// noise.
 pub(super) const LEFT: f64 = 0.015;
-/// Share of a gap that lies in a few segments that may stay where a further effect closes it.
+/// Share of a gap that may stay where a further effect closes it. The gap lies in a few segments.
 const CLOSED: f64 = 0.5;
-/// An effect that explains less than this share of the mean square gap is not named, nor are all together below the other:
-/// they would leave most of it.
+/// Least share of the mean square gap that an effect must explain to be named. One that explains half of the
+/// logarithmic gap may explain less.
 pub(super) const LEAST_SHARE: f64 = 0.25;
-/// See [`LEAST_SHARE`].
+/// The same for all effects together, see [`LEAST_SHARE`].
 pub(super) const LEAST_TOTAL: f64 = 0.5;
-/// Growth of the open-loop mean square error on held-out data at which an effect is not believed.
+/// Growth of the open-loop mean square error on held-out data above which an effect is not believed.
 const OPEN_LOOP_GROWTH: f64 = 1.5;
 
 /// Share of the open-loop mean square above the noise's that a second body may leave.
 const BODY_LEAVES: f64 = 0.5;
-/// What the base's own drift adds within a second to the open-loop mean square over the noise's: with so much a second body's
-/// motion counts as followed. It grows with the square of the time.
+/// Open-loop mean square over the noise's that the base's own drift adds within a second. A second body that leaves
+/// less counts as followed. The drift grows with the square of the time.
 const OWN_DRIFT: f64 = 1.0;
 
-/// How far a model is from the held-out data.
+/// The errors of a model on the held-out data.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     mean_log: f64,
@@ -52,7 +53,8 @@ impl Gap {
         let floor = data.sigma * data.sigma;
         let mse = data.over(&data.score).score(&fit.candidate);
         let n = mse.len() as f64;
-        // A few segments that diverge (an impact, a missed stick) do not set the mean square: the upper decile is cut.
+        // A few segments diverge, after an impact or a missed stick. The worst tenth is cut, so that they do not set
+        // the mean.
         let trimmed = |sorted: &[f64]| {
             let kept = &sorted[..(sorted.len() * 9).div_ceil(10)];
             kept.iter().sum::<f64>() / kept.len().max(1) as f64
@@ -77,14 +79,14 @@ impl Gap {
         if !after.below(self) || after.excess > 1.05 * self.excess || after.rmse > 1.5 * self.rmse {
             return Some("fits, but does not hold on held-out data".to_owned());
         }
-        // Starts that are fitted in every segment can hide what goes wrong within a second.
+        // Starts that are fitted in every segment can hide an error that grows within a second.
         if after.open_loop > OPEN_LOOP_GROWTH * self.open_loop {
             return Some("fits short segments, but drifts off in open loop".to_owned());
         }
         self.leaves(after, LEAST_SHARE)
             .then(|| format!("would explain only {:.0} % of the mean square gap", 100.0 * self.share(after)))
     }
-    /// Whether it is smaller than `other`, by the segments' logarithms.
+    /// Whether this gap is smaller than `other`, by the mean logarithm over segments.
     pub(super) fn below(&self, other: &Self) -> bool {
         self.mean_log < other.mean_log
     }
@@ -92,7 +94,7 @@ impl Gap {
     pub(super) fn share(&self, after: &Self) -> f64 {
         1.0 - after.excess / self.excess
     }
-    /// Whether it explains less than `least` of the mean square, and of the logarithm less than half.
+    /// Whether it explains less than `least` of the mean square gap, and less than half of the logarithmic one.
     pub(super) fn leaves(&self, after: &Self, least: f64) -> bool {
         self.share(after) < least && after.mean_log > 0.5 * self.mean_log
     }
@@ -107,10 +109,11 @@ impl Gap {
     pub(super) fn only_outliers(&self) -> bool {
         self.median < OUTLIERS
     }
-    /// Whether the model with the gap `after`, which has a second body more, follows the motion: the body's start, free in every
-    /// segment, can follow a disturbance that no body causes, but in open loop it gains nothing. On the blind tests' calibration
-    /// cases a true body leaves at most a quarter of what is above the noise there, a false one more than .55. Where hardly
-    /// anything is above the noise, what is left is the base's own drift, and says nothing.
+    /// Whether the model with the gap `after`, which has one second body more, follows the motion. The body's start is
+    /// free in every segment, so it can follow a disturbance that no body causes. In open loop it gains nothing by
+    /// that. On the blind tests' calibration cases a true body leaves at most a quarter of what is above the noise
+    /// there. A false one leaves more than .55. Where hardly anything is above the noise, the base's own drift is left,
+    /// and the model passes.
     pub(super) fn followed_by_bodies(&self, after: &Self) -> bool {
         after.drifts_as_the_base() || after.open_loop - 1.0 < BODY_LEAVES * (self.open_loop - 1.0)
     }
@@ -118,17 +121,18 @@ impl Gap {
     pub(super) fn something_left(&self) -> bool {
         !self.only_outliers() || self.mean_log > LEFT
     }
-    /// Whether the model with the gap `after` brings what is left down to the noise. Any flexible effect thins a few outliers;
-    /// the missing one closes them, where it was not fitted too.
+    /// Whether the model with the gap `after` brings what is left down to the noise. Any flexible effect makes a few
+    /// outliers fewer. Only the missing effect closes them on data that were not fitted.
     pub(super) fn closed_by(&self, after: &Self) -> bool {
         after.explained() && after.mean_log < CLOSED * self.mean_log
     }
-    /// Whether a model with second bodies explains what `self`, the base's gap, is: their starts, free in every segment, can
-    /// follow a disturbance that no body causes, so there must be a gap on held-out data, and it must close in open loop.
+    /// Whether a model with second bodies explains `self`, the base's gap. Their starts are free in every segment, so
+    /// they can follow a disturbance that no body causes. So the base must have a gap on held-out data, and it must
+    /// close in open loop.
     pub(super) fn explained_by_bodies(&self, after: &Self) -> bool {
         after.explained() && self.real() && after.drifts_as_the_base()
     }
-    /// Whether no more is above the noise in open loop than the base's own drift.
+    /// Whether at most the base's own drift is above the noise in open loop.
     fn drifts_as_the_base(&self) -> bool {
         self.open_loop - 1.0 < OWN_DRIFT * self.ahead * self.ahead
     }
@@ -137,14 +141,14 @@ impl Gap {
     }
 }
 
-/// Mean of ln((σ² + mse)/2σ²) over the segments: nothing at the noise.
+/// Mean of ln((σ² + mse)/2σ²) over the segments: 0 at the noise.
 pub(super) fn mean_log(mse: &[f64], sigma: f64) -> f64 {
     let floor = sigma * sigma;
     mse.iter().map(|m| ((floor + m) / (2.0 * floor)).ln()).sum::<f64>() / mse.len().max(1) as f64
 }
 
-/// Sum of squares and samples of every one of the `windows`: its start is fitted to as much of it as a segment holds, and
-/// what is simulated from there on sees the measurement no more.
+/// Sum of squares and number of samples of each of the `windows`. A window's start is fitted over its first segment
+/// length. The simulation goes on from there without the measurement.
 pub(super) fn open_loop_squares(data: &Data, windows: &[Segment], fit: &Fit) -> Vec<(f64, usize)> {
     let starts: Vec<Segment> = windows.iter().map(|window| beginning(data, *window)).collect();
     let open = data.over(windows);

@@ -1,13 +1,13 @@
-//! A model of the search: base, effects, and what a fit does with each of their parameters.
+//! A model of the search: a base, effects, and what a fit does with each of their parameters.
 
 use breakaway_core::plant::effect::{MAX_PARAMETERS, Over, Search};
 use breakaway_core::plant::{Base, Effect};
 
 use crate::fit::{Candidate, Fit, FitError, Free, Problem, Start};
 
-/// How far a wave number may be from a whole one to be taken for it.
+/// Largest distance of a wave number from the whole one that it is taken for, waves in a turn.
 const WHOLE: f64 = 0.1;
-/// One wave in a turn is the gravity load's.
+/// Fewest whole waves in a turn. A single wave is the gravity load's.
 const LEAST_WAVES: f64 = 2.0;
 
 /// What a fit does with a parameter of an effect.
@@ -17,11 +17,11 @@ pub(super) enum Status {
     Free,
     /// It stays where it is: a whole number of waves in a turn.
     Held,
-    /// It stays at the value at which the law has its plain form.
+    /// It stays at the value that gives the law its plain form.
     Unrefined,
 }
 
-/// A model. Every fit of it, and of what grows out of it, respects the status of its parameters.
+/// A model. Every fit of it, and of models that grow out of it, respects the status of its parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     pub base: Base<f64>,
@@ -29,7 +29,7 @@ pub(super) struct Model {
     status: Vec<[Status; MAX_PARAMETERS]>,
 }
 
-/// Refinements are held where they have their default; all else is fitted.
+/// Parameters at the default of a refinement are unrefined; all others of the law are free.
 fn plain(effect: &Effect<f64>) -> [Status; MAX_PARAMETERS] {
     let parameters = effect.kind.definition().parameters;
     std::array::from_fn(|i| match parameters.get(i).map(|parameter| parameter.default) {
@@ -40,14 +40,14 @@ fn plain(effect: &Effect<f64>) -> [Status; MAX_PARAMETERS] {
 }
 
 impl Model {
-    /// Of a candidate, with all that it does not hold at its default free.
+    /// The model of a candidate. Every parameter is free that is not at its refinement's default.
     pub(super) fn new(candidate: &Candidate) -> Self {
         let Candidate { base, effects } = candidate.clone();
         let status = effects.iter().map(plain).collect();
         Self { base, effects, status }
     }
 
-    /// The model of a fit, with what that held.
+    /// The model of a fit. A parameter that the fit held stays held.
     pub(super) fn of(fit: &Fit) -> Self {
         let mut model = Self::new(&fit.candidate);
         for (j, row) in model.status.iter_mut().enumerate() {
@@ -87,7 +87,7 @@ impl Model {
         problem.fit(&self.candidate(), &self.free(), initial, iterations)
     }
 
-    /// With these values, the status of its parameters as it is.
+    /// The model with these values; the status of its parameters stays.
     pub(super) fn at(mut self, values: &Candidate) -> Self {
         self.base = values.base;
         self.effects.clone_from(&values.effects);
@@ -133,7 +133,8 @@ impl Model {
         self.status[j][i] = Status::Free;
     }
 
-    /// With the frequency of the last effect held, in position or in time, or of its resonance: the next fit's alone.
+    /// The model with the frequencies of its last effect held, over position or time or of a resonance. It is for the
+    /// next fit alone.
     pub(super) fn at_its_frequency(&self) -> Self {
         let mut model = self.clone();
         let Some(j) = self.effects.len().checked_sub(1) else { return model };
@@ -145,8 +146,8 @@ impl Model {
         model
     }
 
-    /// With whole waves in a turn for effect `j`, held; `None` where it has no free wave number along the position, or one that is
-    /// not near a whole one.
+    /// The model with a whole number of waves in a turn for effect `j`, which is held. `None` where the effect has no
+    /// wave number over position, where it is not free, or where it is not near a whole one.
     pub(super) fn in_whole_waves(&self, j: usize) -> Option<Self> {
         let along = |search| matches!(search, Search::Spectrum(Over::Position | Over::PositionAndDirection));
         let i = self.effects[j].kind.definition().parameters.iter().position(|p| along(p.search))?;
@@ -184,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Cogging of 7.02 waves: seven, held, also in the model of its fit and beside another effect.
+    /// Cogging of 7.02 waves becomes seven. The seven stay held in the model of the fit, and beside another effect.
     #[test]
     fn whole_waves_stay_held() {
         let cogging = Effect::new(Kind::Cogging, &[0.1, 7.02, 0.3]);
@@ -198,7 +199,7 @@ mod tests {
         assert!(beside.in_whole_waves(0).is_none() && beside.without(0).in_whole_waves(0).is_none());
     }
 
-    /// A refinement is free once it is asked for, in later models too.
+    /// A refinement is free once it is asked for, and stays so in later models.
     #[test]
     fn refinements_are_asked_for() {
         let stribeck = Effect::new(Kind::Stribeck, &[0.1, 0.2]);

@@ -9,7 +9,7 @@ use crate::recording::Units;
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Excitation, Experiment, Reference, Sensor};
 
-/// What the machine has been seen to do: experiments stay within it.
+/// What the recordings show that the machine can do. Experiments stay within it.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Largest |drive| in the recordings.
@@ -22,7 +22,8 @@ pub struct Limits {
     pub sigma: f64,
 }
 
-/// The experiment of the family in which the two models differ most, over the noise; `None` if nowhere by more than it.
+/// The experiment of the family in which the two models differ most, over the noise. `None` if none makes them differ
+/// by more than the noise.
 pub fn deciding(
     a: &Candidate,
     b: &Candidate,
@@ -80,7 +81,9 @@ fn family(model: &Candidate, limits: &Limits) -> Vec<Experiment> {
         .collect()
 }
 
-/// Root mean square difference over segments that model `b` starts from model `a`'s motion.
+/// Root mean square difference of the models on a simulated recording of `a`, position units. It is what `b` leaves
+/// beyond what `a` leaves, over segments that each start from the recorded motion. `None` where the experiment cannot
+/// be simulated.
 fn difference(a: &Candidate, b: &Candidate, experiment: &Experiment, units: &Units) -> Option<f64> {
     let run = Axis::new(a.base, &a.effects, units.clone()).run(experiment).ok()?;
     let tracks = session(std::slice::from_ref(&run.recording));

@@ -9,13 +9,13 @@ use crate::simulate::experiment::Experiment;
 /// The four verdicts (docs/discovery.md, section 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Effects are named, and the held-out error is down to the noise floor.
+    /// Effects are named, and what is left is random or the sensor's noise.
     Explained,
-    /// Effects are named, and something else remains.
+    /// Effects are named, and something predictable is left.
     PartlyExplained,
-    /// The gap is real, and no effect of the catalogue explains it.
+    /// Something predictable is left that no effect explains, or the recordings cannot tell.
     Unknown,
-    /// The gap is within the noise.
+    /// What is left is random and little, or within the noise.
     NothingMissing,
 }
 
@@ -38,11 +38,11 @@ pub struct ParameterValue {
     pub symbol: &'static str,
     /// Unit, written out.
     pub unit: String,
-    /// What it is.
+    /// Meaning of the parameter.
     pub meaning: &'static str,
     /// Value.
     pub value: f64,
-    /// Standard error; NaN where the parameter is held.
+    /// Standard error; NaN where the parameter is held, or where the fit gives none.
     pub se: f64,
 }
 
@@ -51,9 +51,10 @@ pub struct ParameterValue {
 pub struct Rival {
     /// Which effect.
     pub kind: Kind,
-    /// Mean over the segments of log(σ² + mse_rival) − log(σ² + mse_named); > 0 in favour of the named one.
+    /// Mean over the segments of log(σ² + mse_rival) − log(σ² + mse_named); > 0 in favour of the named one. It is 0
+    /// where the measured forces found the rival.
     pub delta: f64,
-    /// Its z score over paired segments.
+    /// z of the named effect's lead, over paired segments or over blocks of the measured forces.
     pub z: f64,
     /// Whether these recordings cannot tell it from the named effect.
     pub tied: bool,
@@ -77,22 +78,25 @@ pub struct Rung {
     pub effects: Vec<Kind>,
     /// Base parameters of this model.
     pub base: Base<f64>,
-    /// Simulation error over 0.4-s segments that were fitted, position units.
+    /// Simulation error over fitted segments, position units. Each segment's initial state is fitted; a segment has 0.4
+    /// s, or 0.1 s where no model follows longer ones.
     pub fit_rmse: f64,
-    /// The same over held-out segments of 0.4 s (initial states fitted).
+    /// The same over held-out segments.
     pub holdout_rmse: f64,
-    /// Held-out simulation error over windows of 1 s started from the measured state.
+    /// Held-out simulation error over windows of 1 s, position units. A window's start is fitted over its first segment
+    /// length.
     pub holdout_open_loop_rmse: f64,
 }
 
-/// A coordinate over which the residual force is looked at.
+/// A coordinate, and how the residual force depends on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WhereRow {
-    /// Name, e.g. `velocity`, `position`, `position × direction`, `time since reversal`.
+    /// Name, e.g. `velocity`, `position`, `position × direction`, `distance since reversal`.
     pub coordinate: &'static str,
     /// Unit of the coordinate.
     pub unit: String,
-    /// Block-cross-validated share of the base model's residual force explained by averages over this coordinate.
+    /// Block-cross-validated share of the base model's residual force that averages over this coordinate explain; for
+    /// `frequency`, the share of its strongest line.
     pub r2: f64,
     /// The same for the residual of the final model.
     pub r2_after: f64,
@@ -107,13 +111,14 @@ pub struct WhereRow {
 pub struct CandidateRow {
     /// Which effect.
     pub kind: Kind,
-    /// Mean paired improvement of log(σ² + mse) over the base.
+    /// Mean paired improvement of log(σ² + mse) over the base; of the measured forces, the gain of the side that gains
+    /// less, nats.
     pub delta: f64,
     /// Its z score.
     pub z: f64,
-    /// Effective log-likelihood ratio, trimmed.
+    /// Effective log-likelihood ratio without its two best segments, nats; NaN for the measured forces.
     pub lambda: f64,
-    /// What became of it, in a sentence: named, tied, or why it lost or could not be fitted.
+    /// Its fate, in words: named, tied, or why it lost or could not be fitted.
     pub fate: String,
 }
 
@@ -134,7 +139,7 @@ pub struct Overlay {
     pub u: Vec<f64>,
 }
 
-/// The experiment that would decide, and why.
+/// The experiment that would decide between tied effects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextExperiment {
     /// The experiment; `breakaway run` takes it.
@@ -145,12 +150,12 @@ pub struct NextExperiment {
     pub difference_over_noise: f64,
 }
 
-/// The measured forces: what the base leaves of them, what the final model leaves, and what that is.
+/// The measured forces: what the base and the final model leave of them, and whether that is random.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Force {
     /// Held-out residual over the rms of the drive, base and final model.
     pub drive: [f64; 2],
-    /// The same of the acceleration from the drive.
+    /// The same for the acceleration, over its rms.
     pub acceleration: [f64; 2],
     /// ρ²: share of the acceleration that the drive determines, 0 to 1.
     pub coherence: f64,
@@ -162,11 +167,11 @@ pub struct Force {
     pub random_share: f64,
     /// Highest frequency that those windows let pass, Hz.
     pub bandwidth_hz: f64,
-    /// What predicts a part of that; `None` if nothing does, and it is random.
+    /// What predicts a part of it on held-out data; `None` if nothing does, so that it is random.
     pub predictable: Option<&'static str>,
 }
 
-/// Where it all comes from.
+/// Where a discovery comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Input files and their SHA-256.
@@ -186,7 +191,7 @@ pub struct Discovery {
     pub effects: Vec<NamedEffect>,
     /// The ladder, the base first.
     pub ladder: Vec<Rung>,
-    /// The final model: base and all its effects, those it was given included.
+    /// The final model: the base and all effects, also those that were known before.
     pub model: Candidate,
     /// Standard errors of the final model's effect parameters, in their order; NaN where held.
     pub model_se: Vec<Vec<f64>>,
@@ -194,7 +199,7 @@ pub struct Discovery {
     pub base_se: [f64; 3],
     /// Position noise, position units.
     pub noise_floor: f64,
-    /// Where the gap lives, the strongest coordinate first.
+    /// Coordinates over which the residual force changes, the strongest first.
     pub where_map: Vec<WhereRow>,
     /// The candidates of the first round, the best first.
     pub candidates: Vec<CandidateRow>,
@@ -202,13 +207,13 @@ pub struct Discovery {
     pub overlays: Vec<Overlay>,
     /// The experiment that would decide between tied effects.
     pub next_experiment: Option<NextExperiment>,
-    /// Where the first effect was sought and none named: which came closest, with its parameters and why it is not named.
+    /// The effect that came closest where none is named, with its parameters and the reason.
     pub nearest: Option<String>,
     /// What the data cannot tell, and problems of the recordings.
     pub remarks: Vec<String>,
     /// Units.
     pub units: Units,
-    /// Segments simulated, and segments there are.
+    /// Segments simulated, and segments available.
     pub segments: (usize, usize),
     /// Time taken, s.
     pub seconds: f64,
@@ -224,7 +229,7 @@ impl Discovery {
         self.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse / self.noise_floor)
     }
 
-    /// The discovery with nothing named beside the `known` effects that were given: the recordings do not bear the names out.
+    /// The discovery without the names that the recordings do not bear out. The `known` effects that were given stay.
     #[must_use]
     pub fn without_names(mut self, known: usize) -> Self {
         if let Some(first) = self.ladder.first() {

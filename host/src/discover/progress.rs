@@ -1,11 +1,11 @@
-//! What a discovery is doing, for whoever waits for it.
+//! The progress of a discovery, for whoever waits for it.
 
-/// What a discovery is doing.
+/// A step of a discovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress<'a> {
     /// The next step, in words.
     Step(&'a str),
-    /// The `effect`-th effect, counted from 1, is sought among so many candidates.
+    /// The search for the `effect`-th effect among so many candidates begins.
     Round {
         /// Which effect.
         effect: usize,
@@ -16,5 +16,5 @@ pub enum Progress<'a> {
     Compared,
 }
 
-/// Is told what a discovery is doing, from any thread.
+/// A function that is called with each step of a discovery, from any thread.
 pub type Watch<'a> = &'a (dyn Fn(Progress<'_>) + Sync);

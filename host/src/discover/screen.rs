@@ -1,8 +1,9 @@
-//! The screen in weak form: starting values of every effect (docs/discovery.md, section 8). It never decides.
+//! The screen in weak form: it gives starting values of every effect (docs/discovery.md, section 8), and decides
+//! nothing.
 //!
-//! Whatever an effect is, the core gives the force it adds along the measured motion. That force, integrated against
-//! the windows' test function, is a column (its amplitudes), or a change of the right-hand side (the parameters on a
-//! grid) of the weak form; wave numbers come from the spectrum of the residual force.
+//! The core gives the force that an effect adds along the measured motion. Its integral against the windows' test
+//! function enters the weak form. Amplitudes are coefficients of columns; other parameters are tried on a grid. Wave
+//! numbers come from the spectrum of the residual force.
 
 use breakaway_core::plant::effect::{ActsIn, Parameter, Role, Scale, Search};
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant};
@@ -13,12 +14,12 @@ use super::spectrum;
 use crate::fit::{Candidate, Segment, Track, median};
 use crate::identify::weak::{self, Window};
 
-/// Half-widths of the windows in which periodic effects are looked for as well, s.
+/// Half-widths of the further windows in which periodic effects are sought, s.
 const OTHER_WIDTHS_S: [f64; 2] = [0.060, 0.008];
-/// Distance of two resonances that are told apart, times the length of a segment, rad: what is in step at its start is out of
-/// step at its end.
+/// Distance of two resonances that are told apart, times the length of a segment, rad. In step at the start of a
+/// segment, they are out of step at its end.
 const RESOLVED: f64 = 4.0;
-/// Grid points per effect; beyond that the product of the grids is thinned.
+/// Most grid points of an effect. The product of its grids is thinned to that.
 const MAX_GRID: usize = 60;
 
 /// A starting point of an effect.
@@ -26,7 +27,7 @@ const MAX_GRID: usize = 60;
 pub struct Start {
     /// Model to start from: base, effects so far, and the new effect last.
     pub candidate: Candidate,
-    /// Residual sum of squares of the weak form over that of the model without the effect.
+    /// Residual sum of squares of the weak form, over that without the effect.
     pub ratio: f64,
 }
 
@@ -42,8 +43,8 @@ pub struct Screen<'a> {
     residual: DVector<f64>,
     square: f64,
     stroke: f64,
-    /// The same with longer and shorter windows, for what is periodic: a slow ripple drowns in the noise of short ones, a fast
-    /// one passes within long ones.
+    /// The same with longer and shorter windows, for periodic effects. A slow ripple drowns in the noise of short
+    /// windows; a fast one passes within long ones.
     others: Vec<Screen<'a>>,
 }
 
@@ -53,7 +54,7 @@ impl<'a> Screen<'a> {
         Self::of_width(data, current, weak::HALF_WIDTH_S)
     }
 
-    /// As [`Self::new`], and ready to look for periodic effects in longer and shorter windows too.
+    /// As [`Self::new`], with longer and shorter windows for periodic effects.
     pub fn of_all_widths(data: &'a Data, current: &Candidate) -> Option<Self> {
         let mut screen = Self::new(data, current)?;
         screen.others = OTHER_WIDTHS_S.iter().filter_map(|width_s| Self::of_width(data, current, *width_s)).collect();
@@ -62,7 +63,7 @@ impl<'a> Screen<'a> {
 
     /// Prepares the screen in windows of half-width `width_s`.
     pub fn of_width(data: &'a Data, current: &Candidate, width_s: f64) -> Option<Self> {
-        // Of a session of an hour few segments are simulated: its other windows are not made.
+        // Few segments of an hour's session are simulated. Windows outside of them are not made.
         let within = |s: &Segment, track, first, last| s.track == track && s.start <= first && last < s.start + s.len;
         let wanted = |track, first, last| data.fit.iter().any(|s| within(s, track, first, last));
         let windows = weak::windows_of(&data.tracks, width_s, wanted);
@@ -99,12 +100,12 @@ impl<'a> Screen<'a> {
         self.square.sqrt()
     }
 
-    /// Residual force of every window: right-hand side minus what the model explains.
+    /// Residual force of every window, drive units: the right-hand side less what the model explains.
     pub fn residual_force(&self) -> Vec<f64> {
         self.residual.iter().zip(&self.windows).map(|(r, w)| r / w.unit).collect()
     }
 
-    /// ∫φ·(force of the effect) in every window. On the measured motion.
+    /// ∫φ·(force of the effect) in every window, along the measured motion.
     fn effect_column(&self, base: Base<f64>, effect: &Effect<f64>) -> DVector<f64> {
         if effect.kind.definition().acts_in == ActsIn::Sensor {
             // x = measured − δ: b·ẍ + c·ẋ gains −b·δ̈ − c·δ̇ on the left.
@@ -124,7 +125,8 @@ impl<'a> Screen<'a> {
         DVector::from_iterator(self.windows.len(), column)
     }
 
-    /// Starting points of an effect, the best first; of a periodic one, the best of each width of the windows in turn.
+    /// Starting points of an effect, the best first. Those of a periodic effect come from each width of the windows in
+    /// turn.
     pub fn starts(&self, kind: Kind) -> Vec<Start> {
         let own = self.own_starts(kind);
         if !kind.definition().periodic() {
@@ -149,7 +151,7 @@ impl<'a> Screen<'a> {
         starts
     }
 
-    /// One grid point: amplitudes by least squares.
+    /// One grid point, with the amplitudes by least squares; `None` where they have no solution.
     fn start(&self, kind: Kind, values: &[Option<f64>]) -> Option<Start> {
         let base = self.current.base;
         let parameters = kind.definition().parameters;
@@ -178,7 +180,7 @@ impl<'a> Screen<'a> {
             target += self.effect_column(base, &effect);
         }
         for (i, phase) in &amplitudes {
-            // The force is linear in an amplitude, but some amplitudes are not forces: a small trial value.
+            // The force is linear in an amplitude that is a force. A small trial value serves for the others.
             let trial = trial_value(&parameters[*i], unit);
             let angles: &[f64] = if phase.is_some() { &[0.0, std::f64::consts::FRAC_PI_2] } else { &[0.0] };
             for angle in angles {
@@ -211,12 +213,13 @@ impl<'a> Screen<'a> {
         let mut effects = self.current.effects.clone();
         effects.push(effect);
         let fitted = Base { b: coefficients[0], c: coefficients[1].max(0.0), f1: coefficients[2].max(1e-3 * base.f1) };
-        // The weak form's base is a starting value only where it is a plant at all.
+        // The weak form's base is a starting value only where its inertia is within a factor of five of the current
+        // one.
         let base = if fitted.b > 0.2 * base.b && fitted.b < 5.0 * base.b { fitted } else { base };
         Some(Start { candidate: Candidate { base, effects }, ratio: residual.norm_squared() / self.square })
     }
 
-    /// The product of the grids of an effect; `None` in a place means that least squares or a default gives it.
+    /// The product of the grids of an effect. `None` in a place means that least squares or a default gives the value.
     fn grid(&self, kind: Kind) -> Vec<Vec<Option<f64>>> {
         let mut points: Vec<Vec<Option<f64>>> = vec![Vec::new()];
         for parameter in kind.definition().parameters {
@@ -281,7 +284,7 @@ impl<'a> Screen<'a> {
     }
 }
 
-/// Typical travel within a segment.
+/// Typical travel within a segment, position units: the median, at least the noise.
 pub(super) fn stroke(data: &Data) -> f64 {
     let travels = data.fit.iter().map(|s| {
         let x = &data.tracks[s.track].xs[s.start..s.start + s.len];
@@ -290,7 +293,7 @@ pub(super) fn stroke(data: &Data) -> f64 {
     median(travels.collect()).max(data.sigma)
 }
 
-/// The phase that belongs to amplitude `i`: the next phase that is fitted, before another amplitude.
+/// The phase that belongs to amplitude `i`: the next phase without a default, before another amplitude.
 fn phase_of(parameters: &[Parameter], i: usize) -> Option<usize> {
     (i + 1..parameters.len())
         .take_while(|j| parameters[*j].default.is_none() && parameters[*j].search != Search::Amplitude)

@@ -1,5 +1,5 @@
-//! Effects too small for the measured forces, on a machine so quiet that the sensor's noise is all that need be left: models are
-//! searched on the simulated motion. Whether the names are believed is decided in `corroboration.rs`.
+//! Effects too small for the measured forces. Models are searched on the simulated motion, where little more than the
+//! sensor's noise need be left. `corroboration.rs` decides whether the names are believed.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -17,9 +17,10 @@ use super::search::Search;
 use crate::fit::Candidate;
 use crate::recording::Units;
 
-/// What the simulation says of `kinds`, where the judge ruled and its names were fitted to the simulated motion.
+/// Searches `kinds` on the simulated motion. `judged` holds the judge's ruling, and its names as the simulated motion
+/// fits them, where there are such.
 ///
-/// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is looked at again over [`SHORT_SEGMENT_S`].
+/// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is searched again over [`SHORT_SEGMENT_S`].
 ///
 /// # Errors
 /// [`DiscoverError`].
@@ -51,7 +52,8 @@ pub(super) fn found(
     Ok(found)
 }
 
-/// The search over segments of one length, within a bound of work that is one for all. It begins with the base, and with the judge's names beside it.
+/// The search over segments of one length. All lengths share one bound of work. It begins with the base, and with the
+/// judge's names beside it.
 fn within(
     request: &Request,
     units: &Units,
@@ -72,7 +74,8 @@ fn within(
     Ok(assembled(request, &start, units, ended, progress))
 }
 
-/// The base with the judge's names and what the judge held; as they were fitted, if they were.
+/// The base with the judge's names; what the judge held stays held. The values are those `fitted` to the simulated
+/// motion, where it has the same effects; else the judge's.
 fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Model {
     let mut model = Model::of(&start.base);
     let known = model.effects.len();

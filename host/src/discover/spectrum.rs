@@ -5,16 +5,17 @@ use breakaway_core::plant::effect::Over;
 use crate::fit::Track;
 use crate::identify::weak::Window;
 
-/// Peaks handed on.
+/// Most peaks that are returned.
 const PEAKS: usize = 6;
-/// Windows looked at: more are thinned.
+/// Most windows that are used. Where there are more, they are thinned.
 const MAX_WINDOWS: usize = 1500;
-/// Wave numbers tried at the most.
+/// Most wave numbers that are tried.
 const MAX_LINES: usize = 8000;
 /// Standard deviation of the windows' test function as a density, as a share of their half-width: `√(I2/I0)`.
 const SPREAD: f64 = 0.3013;
 
-/// Share of the force's sum of squares `total` that its strongest line takes, less what chance gives the best of many.
+/// Share of the force's sum of squares `total` in its strongest line, 0..1. The share that chance gives the best of
+/// many lines is taken off.
 pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over: Over, total: f64) -> f64 {
     let points = points(tracks, windows, force, over);
     let width_s = windows.first().map_or(0.0, Window::half_width_s);
@@ -38,7 +39,7 @@ pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) ->
     let fastest = if over == Over::Time {
         200.0
     } else {
-        // Beyond this the ripple passes within a window even in the slowest parts of the motion.
+        // Above this the ripple passes within a window even in the slowest parts of the motion.
         let mut speeds: Vec<f64> = points.iter().map(|p| p[2].abs()).collect();
         speeds.sort_by(f64::total_cmp);
         1.5 / (SPREAD * width_s * speeds[speeds.len() / 32].max(1e-12))
@@ -65,7 +66,7 @@ fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Ve
     let step = windows.len().div_ceil(MAX_WINDOWS).max(1);
     let mut chosen: Vec<usize> = (0..windows.len()).step_by(step).collect();
     if windows.iter().any(|w| w.scale < 1.0) {
-        // Where the noise grows with speed, what is slow tells more than what is even.
+        // Where the noise grows with speed, slow windows tell more than evenly spaced ones.
         let mut heaviest: Vec<usize> = (0..windows.len()).collect();
         heaviest.sort_by(|a, b| windows[*b].scale.total_cmp(&windows[*a].scale));
         heaviest.truncate(MAX_WINDOWS);
@@ -86,7 +87,7 @@ fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Ve
         .collect()
 }
 
-/// Sums over the points of products of force, cosine and sine: what a line's least squares needs.
+/// Sums over the points of products of force, cosine and sine, for the least squares of a line.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     cc: f64,
@@ -106,7 +107,7 @@ impl Sums {
         self.fs += force * sine;
     }
 
-    /// Reduction of the sum of squares by the two.
+    /// Reduction of the sum of squares by a sine and a cosine; 0 where the points do not tell them apart.
     fn power(self) -> f64 {
         let Self { cc, cs, ss, fc, fs } = self;
         let determinant = cc * ss - cs * cs;
@@ -117,13 +118,14 @@ impl Sums {
     }
 }
 
-/// What is left of a ripple of wave number `n` in a window of that half-width passed at speed `v`.
+/// Share of a ripple of wave number `n` that a window passes, of half-width `width_s` at speed `v`.
 fn attenuation(n: f64, v: f64, width_s: f64) -> f64 {
     let a = n * v * SPREAD * width_s;
     1.0 / (1.0 + 0.5 * a * a)
 }
 
-/// Reduction of the sum of squares by a sine and cosine at wave number `n`, attenuated by windows of that half-width.
+/// Reduction of the sum of squares by a sine and a cosine at wave number `n`, as windows of half-width `width_s` pass
+/// them.
 fn line_power(points: &[[f64; 4]], n: f64, width_s: f64) -> f64 {
     let mut sums = Sums::default();
     for [x, force, v, weight] in points {
@@ -134,7 +136,7 @@ fn line_power(points: &[[f64; 4]], n: f64, width_s: f64) -> f64 {
     sums.power()
 }
 
-/// [`line_power`] at the first `lines` multiples of `spacing`: every point's angle is turned on from line to line.
+/// [`line_power`] at the first `lines` multiples of `spacing`. Every point's angle is turned on from line to line.
 fn comb_power(points: &[[f64; 4]], spacing: f64, lines: usize, width_s: f64) -> Vec<f64> {
     let turns: Vec<(f64, f64)> = points.iter().map(|[x, ..]| (spacing * x).sin_cos()).collect();
     let mut angles = vec![(0.0, 1.0); points.len()];
@@ -167,7 +169,7 @@ fn polish(points: &[[f64; 4]], n: f64, spacing: f64, width_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The turned angles against the sines themselves: to 1e-9 after 8000 lines (each turn loses about 1e-16).
+    /// The turned angles give the same as the sines themselves, to 1e-9 after 8000 lines. Each turn loses about 1e-16.
     #[test]
     fn comb_agrees_with_the_lines() {
         let point = |i: i32| {

@@ -3,14 +3,14 @@
 use crate::fit::median;
 use crate::recording::Recording;
 
-/// Interval of the rows that are simulated, s: the sub-steps of a simulation are no longer, and a simulated second then takes as long on each machine. Rows
-/// that are closer than two thirds of it are merged.
+/// Interval of the rows that are simulated, s. It is the longest sub-step of a simulation, so that a simulated second
+/// takes as long for each machine.
 const ROW_S: f64 = 1e-3;
-/// See [`ROW_S`].
+/// Rows are merged where their interval is shorter than this share of [`ROW_S`].
 const CLOSE: f64 = 2.0 / 3.0;
 
-/// The recording with one row for so many that they take about [`ROW_S`]; itself where its rows are no closer. The drive of a row is
-/// its mean until the next, which moves the axis as far as the drive itself did.
+/// The recording with rows at about [`ROW_S`]; the recording itself where its rows are no closer. The drive of a row is
+/// its mean until the next row. So it moves the axis as far as the recorded drive did.
 pub(super) fn thinned(recording: &Recording) -> Recording {
     let intervals = recording.t.windows(2).map(|w| w[1] - w[0]).collect();
     let each = (ROW_S / median(intervals)).round();
@@ -48,7 +48,7 @@ mod tests {
         }
     }
 
-    /// At 10 kHz one row of ten, with the same impulse, to the rounding of a sum; at 1 kHz all.
+    /// At 10 kHz one row in ten stays, with the same impulse to the rounding of a sum. At 1 kHz all stay.
     #[test]
     fn a_row_in_a_millisecond_and_the_same_impulse() {
         let (fast, usual) = (recording(1e-4), recording(1e-3));

@@ -1,4 +1,4 @@
-//! Names of the judge beside effects that no force in a window shows: those are compared with them on the simulated motion.
+//! Effects that no force in a window shows, compared on the simulated motion with the judge's names.
 
 use breakaway_core::plant::{Effect, Kind};
 
@@ -16,8 +16,9 @@ use crate::recording::Units;
 /// Iterations of the model of the judge's names.
 const ITERATIONS: usize = 20;
 
-/// The discovery `found` of a ruling, where each name is compared with what it may be confused with and the judge cannot weigh. What
-/// does as well is tied with the name; what does better takes its place, with the name tied.
+/// The discovery `found` of a ruling, after each name was compared with the effects that the judge cannot weigh. Only
+/// effects that may be confused with the name count. One that does as well is tied with the name. One that does better
+/// takes its place, and the name is tied.
 pub(super) fn compared(
     request: &Request,
     units: &Units,
@@ -30,7 +31,7 @@ pub(super) fn compared(
         kinds.retain(|kind| !weighs(*kind));
         kinds
     };
-    // Names that the simulated motion contradicted are no longer there.
+    // Names that the simulated motion contradicted are no longer in it.
     if found.effects.is_empty() || ruling.findings.iter().all(|finding| unweighed(finding).is_empty()) {
         return found;
     }
@@ -56,7 +57,7 @@ pub(super) fn compared(
     by_force::found(request, units, &Ruling { findings, ..ruling.clone() }, progress).unwrap_or(found)
 }
 
-/// What of `kinds` does best in the place of finding `j`, if it does as well.
+/// The effect of `kinds` with the lowest cost in the place of finding `j`; `None` where none does as well.
 fn stand_in(start: &Prepared, findings: &[Finding], j: usize, kinds: &[Kind]) -> Option<(Effect<f64>, Standing)> {
     if kinds.is_empty() {
         return None;
@@ -67,7 +68,7 @@ fn stand_in(start: &Prepared, findings: &[Finding], j: usize, kinds: &[Kind]) ->
     stand_ins(&start.data, &fit, known + j, kinds).into_iter().next()
 }
 
-/// The finding with another effect in its place, and its own tied.
+/// The finding with another effect in its place. The old effect is tied.
 fn instead(finding: &Finding, effect: Effect<f64>) -> Finding {
     let mut tied = vec![(finding.effect.kind, 0.0)];
     tied.extend(finding.tied.iter().filter(|(kind, _)| *kind != effect.kind));

@@ -1,4 +1,4 @@
-//! Where the gap lives: residual force against the coordinates of the motion.
+//! The map of the gap: the residual force over the coordinates of the motion.
 
 use super::data::Data;
 use super::outcome::WhereRow;
@@ -6,13 +6,15 @@ use super::screen::Screen;
 use super::spectrum;
 use breakaway_core::plant::effect::Over;
 
-/// Folds of the cross-validation: blocks of the session, so that neighbours do not vouch for each other.
+/// Folds of the cross-validation. They are blocks of the session, because neighbouring windows are not independent.
 const FOLDS: usize = 8;
-/// Bins of a smooth coordinate, and of position, where ripples are looked for.
+/// Bins of a smooth coordinate.
 const BINS: usize = 16;
+/// Bins of the position, over which ripples are sought.
 const FINE_BINS: usize = 96;
 
-/// One coordinate: name, unit (with `U` and `X`), value at every window, sign given to the force, bins.
+/// One coordinate: its name, its unit with `U` and `X`, its value at every window, the sign given to the force, and its
+/// bins.
 struct Coordinate {
     name: &'static str,
     unit: &'static str,
@@ -36,7 +38,7 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
         }
         since_reversal[i] = (track.xs[k] - track.xs[j]).abs();
         let mut j = k;
-        // An edge: the drive moves by more than it does in a smooth excitation from sample to sample.
+        // At an edge the drive moves by more than a smooth excitation moves it from sample to sample.
         let edge = 0.2 * track.u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         while j > 0 && (track.u[j] - track.u[j - 1]).abs() < edge && k - j < 2000 {
             j -= 1;
@@ -81,7 +83,7 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
     ]
 }
 
-/// The map of the residual of one model, strongest coordinate first: name, unit, R², binned curve.
+/// The map of the residual of one model, in a fixed order of the coordinates: name, unit, R², binned curve.
 pub fn map(data: &Data, screen: &Screen<'_>) -> Vec<(&'static str, &'static str, f64, Vec<[f64; 3]>)> {
     let force = screen.residual_force();
     let mut rows: Vec<_> = coordinates(data, screen)
@@ -95,7 +97,7 @@ pub fn map(data: &Data, screen: &Screen<'_>) -> Vec<(&'static str, &'static str,
     rows
 }
 
-/// Both maps side by side, the strongest of the first model's coordinates first.
+/// The maps of two models side by side, in the order of the first model's R².
 pub fn rows(data: &Data, before: &Screen<'_>, after: &Screen<'_>, units: &crate::recording::Units) -> Vec<WhereRow> {
     let mut rows: Vec<WhereRow> = map(data, before)
         .into_iter()
@@ -113,7 +115,7 @@ pub fn rows(data: &Data, before: &Screen<'_>, after: &Screen<'_>, units: &crate:
     rows
 }
 
-/// Index of the bin of every value: equal counts.
+/// Index of the bin of every value. All bins hold as many values.
 fn bin(values: &[f64], bins: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -124,7 +126,7 @@ fn bin(values: &[f64], bins: usize) -> Vec<usize> {
     index
 }
 
-/// Share of the force explained by averages over bins of the coordinate, on blocks the averages were not taken from.
+/// Share of the force that averages over bins of the coordinate explain, 0..1. The averages come from other blocks.
 fn cross_validated(values: &[f64], force: &[f64], bins: usize) -> f64 {
     let n = force.len();
     if n < 4 * FOLDS {
@@ -145,7 +147,7 @@ fn cross_validated(values: &[f64], force: &[f64], bins: usize) -> f64 {
         }
         let mean = all / f64::max(of, 1.0);
         for i in block {
-            // Few samples in a bin draw its average towards the mean.
+            // The average of a bin with few samples is drawn towards the mean.
             let average = (sum[index[i]] + 4.0 * mean) / (count[index[i]] + 4.0);
             left += (force[i] - average).powi(2);
             total += force[i].powi(2);

@@ -12,7 +12,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Numbers that start a segment: position and velocity, and what the first effect with a free memory adds.
+    /// Numbers that start a segment: position and velocity, and those of the first effect with a free memory.
     pub(super) fn local(&self) -> usize {
         2 + self.effects.iter().map(|effect| effect.kind.free_memory()).find(|n| *n > 0).unwrap_or(0)
     }
@@ -72,7 +72,7 @@ impl Free {
         }
     }
 
-    /// That parameter of the largest base; infinite of an effect's.
+    /// The value of that parameter in the largest base; infinite for an effect's.
     pub(super) fn largest(self, base: &Base<f64>) -> f64 {
         match self {
             Self::Base(i) => [base.b, base.c, base.f1][i.min(2)],
@@ -80,7 +80,7 @@ impl Free {
         }
     }
 
-    /// Strictly positive parameters are stepped by ratio.
+    /// Whether it is strictly positive: then it is stepped by ratio.
     pub(super) fn logarithmic(self, candidate: &Candidate) -> bool {
         self.range(candidate).0 > 0.0
     }

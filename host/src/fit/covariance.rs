@@ -14,7 +14,7 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Standard error of a free parameter; `None` if it is held.
+    /// Standard error of a free parameter. `None` if it is held; NaN if the segments do not determine it.
     pub fn standard_error(&self, parameter: Free) -> Option<f64> {
         let i = self.free.iter().position(|f| *f == parameter)?;
         Some(self.matrix[(i, i)].max(0.0).sqrt())
@@ -32,8 +32,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Covariance of the parameters from the scatter of the segments' scores (sandwich): honest also where the model
-    /// misses something and the residual is not white. With too few segments for that, the inverse Hessian.
+    /// Covariance of the parameters from the scatter of the segments' scores (sandwich). It also holds where the model
+    /// misses something and the residual is not white. With fewer than four segments for each parameter it is the
+    /// inverse Hessian.
     fn sandwich(&self, candidate: &Candidate, normals: &[Normal], states: &[Start], p: usize) -> DMatrix<f64> {
         let unknown = || DMatrix::from_element(p, p, f64::NAN);
         let Some(Reduced { hessian, scores, .. }) = self.reduce(candidate, normals, states, p, 0.0) else {

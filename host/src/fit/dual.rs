@@ -1,17 +1,17 @@
 //! Forward-mode derivatives: a number that carries its derivatives with respect to N parameters.
 //!
-//! The plant in the core is generic over [`Real`]; run on [`Dual`], one simulation gives the trajectory and its exact
-//! sensitivities, through reversals and stick phases (the instants of events are differentiated too).
+//! The plant in the core is generic over [`Real`]. On [`Dual`] one simulation gives the trajectory and its exact
+//! sensitivities. They hold through reversals and stick phases: the instants of events are differentiated too.
 
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use breakaway_core::scalar::Real;
 
-/// A value and its gradient. Comparisons look at the value only.
+/// A value and its gradient. Comparisons use the value only.
 ///
-/// The gradient is in single precision: it gives the direction of a step and standard errors, not values, and takes half the
-/// time so.
+/// The gradient is in single precision, which takes half the time. It gives the direction of a step and standard
+/// errors, and no values.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<const N: usize> {
     /// The value.
@@ -41,8 +41,8 @@ impl<const N: usize> Dual<N> {
         }
         Self { value, ..self }
     }
-    /// The value, with each lane combined from those of both: a loop in place, which the compiler puts into vector
-    /// instructions (`array::from_fn` it calls lane by lane).
+    /// The value, with each lane combined from those of both. The loop is in place, because the compiler puts it into
+    /// vector instructions. It would call `array::from_fn` lane by lane.
     #[inline]
     fn lanes(mut self, o: &Self, value: f64, combine: impl Fn(f32, f32) -> f32) -> Self {
         for (lane, other) in self.gradient.iter_mut().zip(&o.gradient) {

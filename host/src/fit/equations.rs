@@ -1,11 +1,11 @@
-//! The normal equations of all segments: every segment's initial state is eliminated by Schur complement.
+//! The normal equations of all segments. A Schur complement eliminates every segment's initial state.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::normal::Normal;
 use super::{Candidate, Problem, Segment, Start};
 
-/// Normal equations of the parameters, the initial states eliminated.
+/// Normal equations of the parameters, without the initial states.
 pub(super) struct Reduced {
     pub(super) hessian: DMatrix<f64>,
     gradient: DVector<f64>,
@@ -15,7 +15,7 @@ pub(super) struct Reduced {
 }
 
 impl Problem<'_> {
-    /// Normal equations of one segment's start, its prior and bounds included, over the weight of the segment.
+    /// Normal equations of one segment's start, with its prior and bounds, over the weight of the segment.
     pub(super) fn local_equations(
         &self,
         candidate: &Candidate,
@@ -31,7 +31,7 @@ impl Problem<'_> {
         let mut gradient = normal.gradient.rows(p, count).into_owned();
         let scales = self.start_scales(segment);
         for i in 0..count {
-            // A body that sticks, or is pushed, forgets how it started: such starts stay where they are.
+            // A body that sticks, or is pushed, forgets its start. Such a start stays where it is.
             local[(i, i)] = local[(i, i)] * (1.0 + damping) + 1.0 / (weight * scales[i] * scales[i]);
         }
         if count == 4 {
@@ -74,7 +74,7 @@ impl Problem<'_> {
         Some(reduced)
     }
 
-    /// One damped Gauss–Newton step: parameters and initial states.
+    /// One damped Gauss–Newton step of the parameters and the initial states; `None` if the equations are singular.
     pub(super) fn step(
         &self,
         candidate: &Candidate,
@@ -87,7 +87,7 @@ impl Problem<'_> {
         let mut damped = reduced.hessian.clone();
         for i in 0..p {
             damped[(i, i)] *= 1.0 + damping;
-            // A parameter that the data does not touch keeps its value.
+            // A parameter that changes no residual keeps its value.
             if damped[(i, i)] <= 0.0 {
                 damped[(i, i)] = 1.0;
             }

@@ -1,5 +1,6 @@
-//! Grid search over the initial state of a second body within a gap: among impacts the motion before a segment does not say where
-//! that body is (the least difference grows from each to the next), and no step of the fit leads from one order of impacts to another.
+//! Grid search over the initial state of a second body within a gap. Among impacts the motion before a segment does not
+//! tell it: the least difference grows from each impact to the next. No step of the fit leads from one order of impacts
+//! to another.
 
 use std::ops::ControlFlow;
 
@@ -9,14 +10,14 @@ use super::hidden_state::displaced;
 use super::settings::{CLOSER, NARROW, STUCK, WIDE};
 use super::{Candidate, Problem, Segment, Start};
 
-/// Starts of a segment, tried by simulation: the best is kept.
+/// Starts of a segment that are tried by simulation. The best is kept.
 pub(super) struct Trials<'a> {
     problem: &'a Problem<'a>,
     plant: Plant<'a, f64>,
     segment: Segment,
-    /// What the motion before leaves.
+    /// The state that the motion before the segment leaves.
     before: State<f64>,
-    /// Mean square that the best start leaves; infinite as long as none was tried.
+    /// Mean square that the best start leaves, position units squared; infinite until one was tried.
     pub(super) mse: f64,
     /// The best start.
     pub(super) start: Start,
@@ -29,7 +30,7 @@ impl<'a> Trials<'a> {
         Self { problem, plant, segment, before, mse: f64::INFINITY, start }
     }
 
-    /// Tries a start; its simulation ends where it is no better than the best.
+    /// Tries a start. Its simulation ends as soon as it is no better than the best.
     pub(super) fn run(&mut self, start: Start) {
         let track = &self.problem.tracks[self.segment.track];
         let most = self.mse * self.segment.len as f64;
@@ -45,7 +46,7 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Seeks a second body all over its gap, the motor's own start as it is.
+    /// Seeks a second body everywhere in its gap. The motor keeps its own start.
     pub(super) fn search_gap(&mut self) {
         let mut effects = self.plant.effects.iter().zip(&self.before.memory);
         let Some((effect, said)) = effects.find(|(effect, _)| effect.kind.free_memory() > 0) else { return };

@@ -1,4 +1,4 @@
-//! The state at the start of a segment: what the effects remember of the motion before it.
+//! The state at the start of a segment: the effects' memories of the motion before it.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::prepare::Track;
 use super::{Problem, Segment};
 
 impl Problem<'_> {
-    /// The state that the motion before the segment leaves, to be [`displaced`] to a start.
+    /// The state that the motion before the segment leaves. [`displaced`] moves it to a start.
     pub(super) fn state_before<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> State<R> {
         let track = &self.tracks[segment.track];
         if !plant.effects.iter().any(|effect| effect.kind.remembers()) {
@@ -19,7 +19,7 @@ impl Problem<'_> {
         let earliest = track.pieces[piece];
         let first = segment.start.saturating_sub((self.warm_up_s / track.ts) as usize).max(earliest);
         let before = first..segment.start;
-        // A bristle's start is free: how its history depends on the parameters changes nothing that the fit could not.
+        // A bristle's start is free. So the fit does not need the derivatives of its history.
         if plant.effects.iter().all(|effect| effect.kind.bristles() || !effect.kind.remembers()) {
             let effects: Vec<Effect<f64>> =
                 plant.effects.iter().map(|e| Effect { kind: e.kind, p: e.p.map(Real::to_f64) }).collect();
@@ -32,7 +32,7 @@ impl Problem<'_> {
     }
 }
 
-/// The state before a segment, moved to a start, the free memory by what the start adds to it.
+/// The state before a segment, moved to a start. The start's last two numbers are added to the free memory.
 pub(super) fn displaced<R: Real>(plant: &Plant<'_, R>, before: &State<R>, start: [R; 4]) -> State<R> {
     let [x, v, y, w] = start;
     let mut memory = before.memory;

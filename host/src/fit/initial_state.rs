@@ -1,4 +1,5 @@
-//! Initial states of the segments: the smoothed motion to start from, and a step of one segment's own, the parameters held.
+//! Initial states of the segments: the smoothed motion as a start, and a step of one segment alone, with the parameters
+//! held.
 
 use rayon::prelude::*;
 
@@ -7,17 +8,17 @@ use super::settings::{JUMP, SENSOR_STEP, START_DAMPING};
 use super::statistics::root_mean_square;
 use super::{Candidate, Free, Problem, Segment, Start};
 
-/// Starts after a step, and where they come from.
+/// Starts after a step, with the starts before it.
 pub(super) struct Stepped<'a> {
     pub(super) old: &'a [Start],
     pub(super) old_mse: &'a [f64],
     pub(super) new: Vec<Start>,
-    /// Whether only the mean squares are wanted, no step following.
+    /// Whether only the mean squares are needed, because no step follows.
     pub(super) last: bool,
 }
 
 impl Problem<'_> {
-    /// Starting initial states: the smoothed motion, as it is before the candidate's sensor.
+    /// Initial states from the smoothed motion, less what the candidate's sensor adds to it.
     pub fn smoothed_initial(&self, candidate: &Candidate) -> Vec<Start> {
         let reading = |x: f64| candidate.effects.iter().map(|effect| effect.sensor(x)).sum::<f64>();
         let start = |s: &Segment| {
@@ -29,13 +30,13 @@ impl Problem<'_> {
         self.segments.iter().map(start).collect()
     }
 
-    /// Root mean square of the measured velocity.
+    /// Root mean square of the smoothed velocity over a segment, position units/s.
     pub(super) fn typical_speed(&self, segment: Segment) -> f64 {
         let v = &self.tracks[segment.track].vs[segment.start..segment.start + segment.len];
         root_mean_square(v.iter().copied())
     }
 
-    /// How far a start may be from where it is, at the most: of position, velocity and the second body's.
+    /// Largest changes of a start, which bound its step: of position and velocity, and of both for a second body.
     pub(super) fn start_scales(&self, segment: Segment) -> Start {
         let track = &self.tracks[segment.track];
         let range = segment.start..segment.start + segment.len;
@@ -46,7 +47,7 @@ impl Problem<'_> {
         [100.0 * self.sigma + travel, velocity, 10.0 * self.sigma + 0.2 * travel, velocity]
     }
 
-    /// A step of one segment's start alone, the parameters held.
+    /// A step of one segment's start alone, with the parameters held; `None` if its equations are singular.
     pub(super) fn start_step(
         &self,
         candidate: &Candidate,
@@ -60,8 +61,9 @@ impl Problem<'_> {
         Some(std::array::from_fn(|i| at.1[i] + step.get(i).copied().unwrap_or(0.0)))
     }
 
-    /// Evaluates every segment from its stepped start. Where that made a segment worse (a reversal or a release jumps to
-    /// another sample), the old start and a step of the start alone are tried too: or a few segments would block the step of all.
+    /// Evaluates every segment from its stepped start. A step can make a segment worse, where a reversal or a release
+    /// jumps to another sample. Then the old start, and a step of the start alone, are tried too. Otherwise a few
+    /// segments would block the step of all.
     pub(super) fn best_initial_states(
         &self,
         candidate: &Candidate,

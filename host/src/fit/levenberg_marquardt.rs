@@ -8,7 +8,8 @@ use super::settings::{
 };
 use super::{Candidate, Fit, FitError, Free, Problem, Start};
 
-/// The candidate after a step of its free parameters: strictly positive ones by ratio, none beyond the largest base.
+/// The candidate after a step of its free parameters. Strictly positive ones change by ratio; none exceeds the largest
+/// base.
 fn stepped(candidate: &Candidate, free: &[Free], step: &[f64], largest: &Base<f64>) -> Candidate {
     let mut next = candidate.clone();
     for (parameter, delta) in free.iter().zip(step) {

@@ -1,6 +1,6 @@
-//! Output error by multiple shooting: the plant is simulated over short segments, each from its own initial position
-//! and velocity, and base and effect parameters are fitted jointly (docs/theory.md, section 5; docs/discovery.md, section 8).
-//! Minimised is `Σ_segments n/2·log(σ² + mse)`; the logarithm bounds the influence of any one segment.
+//! Output error by multiple shooting. The plant is simulated over short segments, each from its own initial position
+//! and velocity. Base and effect parameters are fitted jointly (docs/theory.md, section 5; docs/discovery.md, section
+//! 8). The cost is `Σ_segments n/2·log(σ² + mse)`. Its logarithm bounds the influence of any one segment.
 //!
 //! 1. `prepare` makes a [`Track`] of a recording (`smoothing`, `noise`); `segments` cuts it.
 //! 2. `initial_state` starts every segment from the smoothed motion, `hidden_state` from what effects remember of the motion before.
@@ -42,8 +42,8 @@ pub use settings::SCORE_ITERATIONS;
 use settings::{LEAST_TO_SOFTEN, SOFTEN_ABOVE};
 pub use statistics::median;
 
-/// Where a segment starts: position, velocity, and how far the free memory of an effect (a bristle, a second body) is from
-/// what the motion before the segment says.
+/// Start of a segment: position, velocity, and two numbers of an effect's free memory (a bristle, a second body). These
+/// two are its difference from the memory that the motion before the segment leaves.
 pub type Start = [f64; 4];
 
 /// Data and noise floor of a fit.
@@ -55,13 +55,13 @@ pub struct Problem<'a> {
     pub segments: &'a [Segment],
     /// Noise floor, position units.
     pub sigma: f64,
-    /// Seconds of measured motion followed before each segment to bring the effects' memories up to date.
+    /// Measured motion before each segment, s, over which the effects' memories are brought up to date.
     pub warm_up_s: f64,
-    /// Mean square added to every segment's in the logarithm, in place of σ²; 0 for σ² itself.
+    /// Mean square that stands for σ² in the logarithm where it is larger; 0 for σ² itself.
     pub softening: f64,
-    /// Half the sub-steps that the effects' dynamics ask for: to compare starts, not to state parameters.
+    /// Whether only half of the sub-steps are simulated. That is enough to compare starts, not to state parameters.
     pub coarse: bool,
-    /// Where simulated samples are counted.
+    /// Counter of the simulated numbers.
     pub work: Option<&'a AtomicU64>,
 }
 
@@ -76,20 +76,20 @@ pub struct Fit {
     pub floor: f64,
     /// Mean square error of every segment, position units squared.
     pub mse: Vec<f64>,
-    /// Effective samples of every segment: residuals that are correlated count for less.
+    /// Effective samples of every segment. Correlated residuals count for less.
     pub samples: Vec<f64>,
-    /// Initial position and velocity of every segment.
+    /// Start of every segment.
     pub initial: Vec<Start>,
     /// The minimised cost.
     pub cost: f64,
-    /// Whether it ended by itself, not by the number of iterations.
+    /// Whether the fit ended by itself, before the number of iterations did.
     pub converged: bool,
 }
 
-/// Why a candidate could not be fitted.
+/// Why a candidate has no fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FitError {
-    /// The simulation leaves the range of numbers from the start.
+    /// The simulation from the start exceeds the range of numbers.
     #[error("the simulation diverges with the starting parameters")]
     Diverges,
     /// There is nothing to fit.
@@ -103,11 +103,11 @@ pub enum FitError {
 impl Problem<'_> {
     /// Fits the free parameters and every segment's initial state.
     ///
-    /// Where all segments are far above the noise the logarithm is a landscape of wells, one for every segment that can be
-    /// fitted alone. The first half of the iterations fills them up to the median segment.
+    /// Where all segments are far above the noise, the logarithm has a well for every segment that can be fitted alone.
+    /// The first half of the iterations fills the wells up to the median segment.
     ///
     /// # Errors
-    /// [`FitError`] if there is nothing to fit or the start diverges.
+    /// [`FitError`] if there is nothing to fit, if too many parameters are free, or if the start diverges.
     pub fn fit(
         &self,
         start: &Candidate,
@@ -141,7 +141,8 @@ impl Problem<'_> {
         self.segments.iter().zip(mse).map(|(segment, mse)| 0.5 * segment.len as f64 * (self.floor() + mse).ln()).sum()
     }
 
-    /// Scores a fixed model: only the initial states are fitted. Gives the mean square error of every segment.
+    /// Scores a fixed model, of which only the initial states are fitted. Gives the mean square error of every segment,
+    /// position units squared; infinite where the simulation diverges.
     pub fn score(&self, candidate: &Candidate) -> Vec<f64> {
         self.segments
             .par_iter()

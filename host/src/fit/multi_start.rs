@@ -1,5 +1,5 @@
-//! Several starts for segments that are stuck: a body that the first samples stop tells nothing of how fast it came, so that no
-//! step of the fit frees it, while the measured one went on.
+//! Several starts for segments that are stuck. A simulated body that the first samples stop tells nothing of how fast
+//! it came. The measured body went on, and no step of the fit frees the simulated one.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use super::statistics::median;
 use super::{Candidate, Problem, Segment, Start};
 
 impl Problem<'_> {
-    /// Starts stuck segments anew, from velocities all about the smoothed one. Whether any was exchanged.
+    /// Starts stuck segments anew, from velocities about the smoothed one. Says whether any start was exchanged.
     pub(super) fn restart_stuck(&self, candidate: &Candidate, states: &mut [Start], mse: &[f64]) -> bool {
         let typical = if mse.len() < FEW { 0.0 } else { median(mse.to_vec()) };
         let bound = STUCK * self.floor().max(typical);
@@ -28,7 +28,7 @@ impl Problem<'_> {
         !restarted.is_empty()
     }
 
-    /// A start from which the segment's mean square is well below `mse`.
+    /// A start from which the segment's mean square is below .8 of `mse`; `None` if there is none.
     fn restarted(
         &self,
         candidate: &Candidate,

@@ -3,11 +3,11 @@
 use super::settings::SPEED_CLASSES;
 use super::statistics::median;
 
-/// Standard deviation of the position's noise from the residuals of the local cubic: the median over blocks in motion of
-/// their mean square, so that reversals, switching edges and quantised rest do not count.
+/// Standard deviation of the position's noise, from the residuals of the local cubic. It is the median of their mean
+/// squares over blocks in motion. So reversals, switching edges and quantised rest do not count.
 pub(super) fn noise(residuals: &[f64], velocity: &[f64], half: usize) -> f64 {
     let points = (2 * half + 1) as f64;
-    // Share of a sample's own noise that the cubic follows at its centre.
+    // Share of a sample's own noise that the cubic takes up at its centre.
     let leverage = (2.25 / points).min(0.9);
     let typical = median(velocity.iter().map(|v| v.abs()).collect());
     let blocks = residuals.chunks(64).zip(velocity.chunks(64)).filter(|(r, _)| r.len() == 64);
@@ -21,13 +21,13 @@ pub(super) fn noise(residuals: &[f64], velocity: &[f64], half: usize) -> f64 {
     (median(squares) / (1.0 - leverage)).sqrt()
 }
 
-/// Noise at rest and jitter of the clock from the residuals of the local cubic, as σ² + (jitter·v)² over classes of speed;
-/// `None` where the residuals do not grow with speed.
+/// Noise at rest and jitter of the clock, s, from the residuals of the local cubic. Over classes of speed they are σ² +
+/// (jitter·v)². `None` where the residuals do not grow with speed.
 pub(super) fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)> {
     let leverage = (2.25 / (2 * half + 1) as f64).min(0.9);
     let mut order: Vec<usize> = (0..residuals.len()).collect();
     order.sort_by(|a, b| velocity[*a].abs().total_cmp(&velocity[*b].abs()));
-    // (mean square speed, variance) of every class; the median, so that reversals do not count.
+    // (mean square speed, variance) of every class. The median is used, so that reversals do not count.
     let classes: Vec<(f64, f64)> = order
         .chunks(residuals.len().div_ceil(SPEED_CLASSES).max(8))
         .map(|class| {

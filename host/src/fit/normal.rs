@@ -1,5 +1,5 @@
-//! The normal equations of one segment, with respect to the free parameters and its initial state. One simulation with dual
-//! numbers gives the residual and all its derivatives.
+//! The normal equations of one segment, for the free parameters and its initial state. One simulation with dual numbers
+//! gives the residual and all its derivatives.
 
 use std::ops::ControlFlow;
 
@@ -13,7 +13,7 @@ use super::settings::TOGETHER;
 use super::simulate::Residual;
 use super::{Candidate, Free, Problem, Segment, Start};
 
-/// Normal equations of one segment, empty where only its mean square was asked for.
+/// Normal equations of one segment. They are empty where only its mean square is needed.
 pub(super) struct Normal {
     pub(super) hessian: DMatrix<f64>,
     pub(super) gradient: DVector<f64>,
@@ -46,7 +46,7 @@ impl<const N: usize> Sums<N> {
         }
     }
 
-    /// The products of the waiting rows. Both triangles: whole rows are what the compiler makes vectors of.
+    /// The products of the waiting rows. Both triangles are summed, because the compiler makes vectors of whole rows.
     fn sum(&mut self) {
         for (i, sums) in self.hessian.iter_mut().enumerate() {
             let mut total = *sums;
@@ -61,14 +61,14 @@ impl<const N: usize> Sums<N> {
         self.waiting = 0;
     }
 
-    /// The first `m` rows and columns, and the first `m` of the gradient.
+    /// The first `m` rows and columns, with the first `m` entries of the gradient.
     fn finished(mut self, m: usize) -> (DMatrix<f64>, DVector<f64>) {
         self.sum();
         (DMatrix::from_fn(m, m, |i, j| self.hessian[i][j]), DVector::from_fn(m, |i, _| self.gradient[i]))
     }
 }
 
-/// Base and effects as dual numbers, lane `k` for the k-th free parameter.
+/// Base and effects as dual numbers. Lane `k` belongs to the k-th free parameter.
 fn differentiated<const N: usize>(candidate: &Candidate, free: &[Free]) -> (Base<Dual<N>>, Vec<Effect<Dual<N>>>) {
     let mut base = [candidate.base.b, candidate.base.c, candidate.base.f1].map(Dual::<N>::constant);
     let mut effects: Vec<Effect<Dual<N>>> =

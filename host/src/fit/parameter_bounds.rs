@@ -1,4 +1,4 @@
-//! How large the base can become in a fit: within what the drive of the recordings moves.
+//! The largest base of a fit: one that the drive of the recordings still moves.
 
 use breakaway_core::plant::Base;
 
@@ -7,7 +7,7 @@ use super::prepare::Track;
 use super::settings::MOST_FORCE;
 
 impl Problem<'_> {
-    /// The largest base that a fit can come to.
+    /// The largest base that a fit can reach.
     pub fn largest_base(&self) -> Base<f64> {
         let most = |of: fn(&Track) -> f64| self.tracks.iter().map(of).fold(0.0, f64::max);
         let force = MOST_FORCE * most(|track| track.largest_drive);

@@ -1,14 +1,14 @@
-//! A recording prepared for estimation: smoothed motion, noise floor, session time.
+//! A recording prepared for estimation: its smoothed motion, its noise and its session time.
 
 use super::noise::{jitter, noise};
 use super::settings::{
     ACCELERATION_S, GAP_INTERVALS, HALF_WIDTH_S, IRREGULAR, LEAST_NOISE, MIN_HALF_SAMPLES, ROUNDING,
 };
 use super::statistics::{median, root_mean_square};
-use crate::recording::Recording;
+use crate::recording::{Recording, share_a_clock};
 
-/// A recording with smoothed position, velocity and acceleration. The smoothed ones serve as starting values and for
-/// the screen; fits use the measured position.
+/// A recording with smoothed position, velocity and acceleration. These are starting values, and the motion of the
+/// screen. Fits use the measured position.
 #[derive(Clone, Debug)]
 pub struct Track {
     /// The recording's name.
@@ -35,15 +35,16 @@ pub struct Track {
     pub ts: f64,
     /// First index of every piece without gaps; ends with the number of samples.
     pub pieces: Vec<usize>,
-    /// Standard deviation of the position's noise, quantisation included; with a jittered clock, at rest.
+    /// Standard deviation of the position's noise, with its quantisation, position units; with a jittered clock, at
+    /// rest.
     pub sigma: f64,
-    /// Standard deviation of the instants of sampling about the clock's, s, as far as the position shows it; 0 with a
-    /// regular clock.
+    /// Standard deviation of the instants of sampling about the clock's, s, as far as the position shows it. It is 0
+    /// with a regular clock.
     pub jitter_s: f64,
 }
 
 impl Track {
-    /// Prepares one recording; gaps (more than five median intervals) cut it into pieces.
+    /// Prepares one recording. A gap, longer than five median intervals, cuts it into pieces.
     pub fn new(recording: &Recording) -> Self {
         let n = recording.t.len();
         let intervals: Vec<f64> = recording.t.windows(2).map(|w| w[1] - w[0]).collect();
@@ -85,7 +86,7 @@ impl Track {
         track.typical_speed = root_mean_square(track.vs.iter().copied());
         let least = recording.encoder_step.unwrap_or(0.0) * LEAST_NOISE;
         track.sigma = noise(&residuals, &track.vs, half).max(least);
-        // Where rows are lost, a regular clock has gone on by whole intervals.
+        // Lost rows take whole intervals of a regular clock.
         let regular = intervals.iter().all(|dt| (dt / ts - (dt / ts).round().max(1.0)).abs() < IRREGULAR);
         if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten()
             && sigma > ROUNDING * track.x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
@@ -96,7 +97,8 @@ impl Track {
         track
     }
 
-    /// Noise at rest over the noise at sample `k`, at most 1: at speed v a jittered clock adds jitter·v to the position's.
+    /// Noise at rest over the noise at sample `k`, at most 1. At speed v a jittered clock adds jitter·v to the
+    /// position's noise.
     pub fn weight(&self, k: usize) -> f64 {
         if self.jitter_s > 0.0 { self.sigma / self.sigma.hypot(self.jitter_s * self.vs[k]) } else { 1.0 }
     }
@@ -112,9 +114,13 @@ impl Track {
     }
 }
 
-/// Prepares several recordings on one session clock: those that share a running time axis keep it; where a
-/// recording's clock starts before the previous one's end, it is taken to follow it.
+/// Prepares several recordings on one session clock. Recordings that share a running clock keep it. Otherwise a recording
+/// whose clock starts before the previous one's end is moved to follow it.
 pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<Track> {
+    let recordings: Vec<&Recording> = recordings.into_iter().collect();
+    if share_a_clock(recordings.iter().copied()) {
+        return recordings.into_iter().map(Track::new).collect();
+    }
     let mut end = f64::NEG_INFINITY;
     recordings
         .into_iter()

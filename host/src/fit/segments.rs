@@ -13,7 +13,8 @@ pub struct Segment {
     pub len: usize,
 }
 
-/// Cuts the pieces of the tracks into segments of `length_s` (at least 8 samples); rests shorter than half are dropped.
+/// Cuts the pieces of the tracks into segments of `length_s`, 8 samples at least. A remnant of less than half is
+/// dropped.
 pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (track, prepared) in tracks.iter().enumerate() {
@@ -32,7 +33,7 @@ pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
     segments
 }
 
-/// At most `most` of the segments, evenly taken.
+/// At most `most` of the segments, evenly spaced.
 pub fn sampled(segments: Vec<Segment>, most: usize) -> Vec<Segment> {
     if segments.len() <= most {
         return segments;

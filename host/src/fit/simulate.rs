@@ -29,7 +29,7 @@ impl Residual {
     pub(super) fn mean_square(&self, len: usize) -> f64 {
         self.square / len as f64
     }
-    /// Effective samples: a residual that is correlated counts for less.
+    /// Effective samples. A correlated residual counts for less.
     pub(super) fn samples(&self, len: usize) -> f64 {
         let correlation = (self.lagged / self.square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         (len as f64 * (1.0 - correlation) / (1.0 + correlation)).max(LEAST_SAMPLES)
@@ -37,7 +37,7 @@ impl Residual {
 }
 
 impl Problem<'_> {
-    /// Simulates one segment and hands every sample and its reading to `visit`.
+    /// Simulates one segment, and hands the index and the reading of every sample to `visit`.
     pub(super) fn simulate<R: Real>(
         &self,
         plant: &Plant<'_, R>,
@@ -49,7 +49,7 @@ impl Problem<'_> {
         self.simulate_from(plant, n, segment, displaced(plant, &self.state_before(plant, segment), start), visit);
     }
 
-    /// The same from a state, as long as `visit` wants it.
+    /// The same from a state, until `visit` breaks off.
     pub(super) fn simulate_from<R: Real>(
         &self,
         plant: &Plant<'_, R>,
@@ -69,13 +69,14 @@ impl Problem<'_> {
             plant.advance(&mut state, drive, n);
         }
         if let Some(work) = self.work {
-            // With derivatives a number is as many times longer as they take.
+            // A number with derivatives counts as many times more as it is longer than a plain one.
             let numbers = n * size_of::<R>() / size_of::<f64>();
             work.fetch_add(samples * numbers as u64, Ordering::Relaxed);
         }
     }
 
-    /// Sub-steps of a sample period: what the effects ask for, and none longer than [`STEP_S`].
+    /// Sub-steps of a sample period: as many as the effects need, none longer than [`STEP_S`], but not more than 32 for
+    /// that.
     pub(super) fn sub_steps<R: Real>(&self, plant: &Plant<'_, R>, segment: Segment) -> usize {
         let ts = self.tracks[segment.track].ts;
         let asked = plant.sub_steps(ts);
@@ -100,7 +101,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Simulates a segment from a given initial state; positions as the sensor would report them.
+    /// Simulates a segment from a given initial state. Gives the positions as the sensor reports them, position units.
     pub fn positions(&self, candidate: &Candidate, segment: Segment, initial: Start) -> Vec<f64> {
         let plant = Plant { base: candidate.base, effects: &candidate.effects };
         let n = self.sub_steps(&plant, segment);

@@ -14,7 +14,7 @@ impl Track {
             uniform.then(|| kernels(&(0..=2 * half).map(|i| i as f64 / half as f64 - 1.0).collect::<Vec<_>>(), true));
         #[allow(clippy::needless_range_loop, reason = "k is the centre of a window into several columns")]
         for k in from..to {
-            // At the ends as many samples on one side, and a parabola: a cubic's slope there is mostly noise.
+            // At the ends a parabola over samples of one side is used. A cubic's slope there is mostly noise.
             let first = k.saturating_sub(half).min((to - 1).saturating_sub(2 * half)).max(from);
             let last = (first + 2 * half).min(to - 1);
             let centred = k - first == half && last - k == half;
@@ -43,7 +43,8 @@ impl Track {
     }
 }
 
-/// Least-squares weights of value, slope and curvature at s = 0 for a cubic, or else a parabola, on the abscissae `s`.
+/// Least-squares weights of value, slope and curvature at s = 0, on the abscissae `s`: of a cubic, or else of a
+/// parabola.
 fn kernels(s: &[f64], cubic: bool) -> Vec<[f64; 3]> {
     let row = |si: f64| nalgebra::Vector4::new(1.0, si, si * si, if cubic { si * si * si } else { 0.0 });
     let mut gram = nalgebra::Matrix4::<f64>::zeros();

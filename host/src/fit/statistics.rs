@@ -1,6 +1,6 @@
-//! Robust sums over many numbers.
+//! Root mean square and median.
 
-/// Root of the mean square; 0 of nothing.
+/// Root of the mean square; 0 if there are no values.
 pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (square, n) = values.fold((0.0, 0), |(square, n), value| (square + value * value, n + 1));
     (square / f64::from(n.max(1))).sqrt()

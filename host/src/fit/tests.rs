@@ -1,4 +1,4 @@
-//! Recovery of known parameters, and standard errors against the scatter they predict.
+//! Recovery of known parameters, and standard errors against the scatter of many fits.
 
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 use rand::SeedableRng;
@@ -32,7 +32,7 @@ fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<Track> {
     session(&[run((2.0, 1.5, 2 * seed)), run((1.5, 0.8, 2 * seed + 1))])
 }
 
-/// From 20 % off. `sigma` is the noise floor.
+/// A fit that starts 20 % off. `sigma` is the noise floor.
 fn fitted(tracks: &[Track], sigma: f64) -> (Fit, Covariance) {
     let segments = segments(tracks, 0.4);
     let start = Candidate {
@@ -53,7 +53,8 @@ fn values(fit: &Fit) -> [f64; 4] {
 
 const TRUTH: [f64; 4] = [BASE.b, BASE.c, BASE.f1, LOAD];
 
-/// Without noise: to 0.01 % (row 13's tolerance), the stepped plant against the exact one that made the data.
+/// Without noise the fit agrees to 0.01 %, the tolerance of row 13. The stepped plant is fitted to data of the exact
+/// one.
 #[test]
 fn recovers_the_parameters() {
     let (fit, errors) = fitted(&tracks(4.0, 0.0, 1), 1e-6);
@@ -63,8 +64,8 @@ fn recovers_the_parameters() {
     assert_eq!(errors.standard_error(Free::Effect(1, 0)), None);
 }
 
-/// Over 60 runs the reported standard error is within a factor 1.5 of the scatter (which 60 runs give to 9 %), and the
-/// mean is within 4 of its own standard errors and a systematic 0.05 % of the truth.
+/// Over 60 runs the reported standard error is within a factor 1.5 of the scatter, which 60 runs give to 9 %. The mean
+/// is within 4 of its own standard errors, and a systematic 0.05 %, of the truth.
 #[test]
 fn standard_errors_are_those_of_the_scatter() {
     const RUNS: usize = 60;
@@ -98,7 +99,7 @@ fn refusals() {
     let segments = segments(&tracks, 0.2);
     let problem = Problem { segments: &segments, ..problem };
     assert_eq!(problem.fit(&candidate, &[Free::Base(0); 19], None, 5).unwrap_err(), FitError::TooMany(19));
-    // Without inertia or damping the first sample already goes to infinity, squared.
+    // Without inertia or damping the first sample goes to infinity when it is squared.
     let weightless = Candidate { base: Base { b: 1e-300, c: 0.0, f1: 0.5 }, effects: vec![] };
     assert_eq!(problem.fit(&weightless, &Free::all(&[]), None, 5).unwrap_err(), FitError::Diverges);
 }
@@ -113,9 +114,10 @@ fn segments_tile_the_tracks() {
     assert!(all.windows(2).all(|w| w[0].track != w[1].track || w[0].start + w[0].len == w[1].start));
 }
 
-/// A body that creeps backwards under a drive just short of f1, and speeds up when the drive passes it. Started a little faster
-/// forwards it stops, started as fast backwards it is gone: of start velocities a standard deviation of .09 apart a well .02 wide
-/// leads to the end. Its mean square is the noise's then, 1 ± .07 over 400 samples; six of those are allowed.
+/// A body creeps backwards under a drive just short of f1, and speeds up when the drive passes f1. Started a little
+/// faster forwards it stops; started as fast backwards it is gone. Only a well .02 wide leads to the end, and the
+/// smoothed start velocity has a deviation of .09. The mean square at the end is the noise's, 1 ± .07 over 400 samples.
+/// Six of those are allowed.
 #[test]
 fn a_start_that_all_but_rests_is_found() {
     for seed in 0..20 {
@@ -149,9 +151,10 @@ fn a_start_that_all_but_rests_is_found() {
     }
 }
 
-/// A load bouncing in a gap of a third of the relay's motion, its start forgotten: from where the motion before the segments
-/// leaves it the true model misses the typical segment by 74 noises; sought all over the gap, by 4. Found starts may stay in a
-/// neighbouring order of impacts in some segments, so the median is asked, and a tenth.
+/// A load bounces in a gap of a third of the relay's motion, and its start is forgotten. From the state that the motion
+/// before the segments leaves, the true model misses the typical segment by 74 noises. Sought everywhere in the gap, it
+/// misses by 4. In some segments the found start has a neighbouring order of impacts. So the median must fall to a
+/// tenth.
 #[test]
 fn a_load_lost_among_impacts_is_found() {
     let effects = [Effect::new(Kind::Backlash, &[0.5, 0.4, 0.5])];
@@ -188,9 +191,9 @@ fn a_load_lost_among_impacts_is_found() {
     assert!(said > 40.0 && found < 0.1 * said, "{said} {found}");
 }
 
-/// The bounds of the base are three times the largest drive: f1 that itself, c at the typical speed and b at the typical acceleration,
-/// which of a sine of amplitude A are Aω/√2 and, over 0.1 s, Aω²/√2·sin(0.05ω)/(0.05ω). To 0.5 %: 0.1 s of the
-/// twenty are no whole cycle.
+/// The bounds of the base are three times the largest drive. f1 is bounded by that itself, c at the typical speed, and
+/// b at the typical acceleration. A sine of amplitude A has the speed Aω/√2. Over 0.1 s its acceleration is
+/// Aω²/√2·sin(0.05ω)/(0.05ω). They agree to 0.5 %, because 0.1 s of the twenty are no whole cycle.
 #[test]
 fn the_largest_base_is_three_times_what_the_drive_moves() {
     let (drive, amplitude, omega) = (0.7_f64, 0.3_f64, std::f64::consts::TAU);

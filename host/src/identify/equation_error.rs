@@ -45,8 +45,8 @@ pub(super) fn solve_base(windows: &[Window], both: bool) -> Result<WeakFit, Iden
     if follows_direction(windows) {
         return refuse(
             "b",
-            "the drive never changes while the axis moves one way, so friction f1 equal to the drive explains it \
-             all. Record a drive that changes, such as a relay experiment or a sine",
+            "the drive never changes while the axis moves one way. Friction f1 equal to the drive explains all of \
+             it. Record a drive that changes, such as a relay experiment or a sine",
         );
     }
     match weak::solve(&columns, &DVector::from_column_slice(target.as_slice())) {

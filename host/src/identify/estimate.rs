@@ -41,6 +41,10 @@ pub fn identify(recordings: &[Recording]) -> Result<Identification, IdentifyErro
     if !identified.white {
         identified.gravity = gravity::tried(recordings, identified.best.estimator);
     }
+    // A drive that is a current or a force has no back-EMF in it.
+    if ["A", "mA", "N", "Nm", "mNm"].contains(&recordings[0].units.u.as_str()) {
+        identified.remarks.retain(|remark| *remark != Remark::BackEmfInDamping);
+    }
     identified.winding = winding(recordings);
     if let Some(Winding { back_emf, .. }) = identified.winding {
         identified = apart(identified, back_emf);

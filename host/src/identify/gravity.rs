@@ -10,7 +10,8 @@ use super::weak::{self, Window};
 use crate::fit::{Candidate, Free, Problem, Track, median, session};
 use crate::recording::Recording;
 
-/// Travel from which gravity is told from a constant load and a spring, rad: over half of it the cosine falls by 12 %.
+/// Travel from which the data tell gravity from a constant load and a spring, rad. Over half of it the cosine falls by
+/// 12 %.
 const LEAST_TRAVEL_RAD: f64 = 1.0;
 /// Share by which gravity must lower the error of prediction to be worth a discovery.
 const WORTH: f64 = 0.05;

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use crate::fit::Track;
 
-/// Half-width of a window, s; at least [`MIN_HALF_SAMPLES`] samples.
+/// Half-width of a window, s; at least `MIN_HALF_SAMPLES` samples.
 pub const HALF_WIDTH_S: f64 = 0.020;
 const MIN_HALF_SAMPLES: usize = 8;
 /// Longest sample interval at which windows keep their standard width, s.

@@ -1,7 +1,8 @@
 //! The winding, where the current is recorded: u = R·i + Ke·ẋ + L·di/dt + u0 by least squares, which parts back-EMF from
 //! viscous friction (docs/theory.md, section 1).
 //!
-//! Each window of rows gives one equation of integrals, ∫u = R·∫i + Ke·Δx + L·Δi + u0·Δt, in which nothing is differentiated.
+//! Each window of rows gives one equation of integrals, ∫u = R·∫i + Ke·Δx + L·Δi + u0·Δt, in which nothing is differentiated. The
+//! factor of Δi also takes what the trapezoid and a delay from reading to drive add, so that R and Ke are free of both.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -40,13 +41,22 @@ pub fn winding(recordings: &[Recording]) -> Option<Winding> {
         long || recordings.iter().all(|recording| moves(recording, *rows))
     })?;
     let windows: Vec<Window> = recordings.iter().flat_map(|recording| windows(recording, rows)).collect();
-    let all = solve(&windows, true)?;
-    let inductance = all[2];
-    if inductance.value > SHOWS * inductance.se {
-        return Some(Winding { resistance: all[0], back_emf: all[1], inductance: Some(inductance) });
+    let [resistance, back_emf, factor, _] = solve(&windows)?;
+    let inductance = inductance(factor, resistance.value * median_tick(&recordings[0]));
+    Some(Winding { resistance, back_emf, inductance })
+}
+
+/// L from the factor of Δi, where it shows. A current that goes to its end exponentially in each tick has, by the trapezoid, an
+/// integral that is off by a multiple of its change, so that the factor is (y/2)·coth(y/(2L)) with y = R·Ts: y/2 without an L.
+fn inductance(factor: Value, y: f64) -> Option<Value> {
+    let half = y / 2.0;
+    if factor.value - half < SHOWS * factor.se {
+        return None;
     }
-    let [resistance, back_emf, ..] = solve(&windows, false)?;
-    Some(Winding { resistance, back_emf, inductance: None })
+    let value = half / (half / factor.value).atanh();
+    let slope = (half / value / (half / value).sinh()).powi(2);
+    let inductance = Value { value, se: factor.se / slope };
+    (inductance.se.is_finite() && value > SHOWS * inductance.se).then_some(inductance)
 }
 
 /// What is left of c without the back-EMF: viscous friction, in the units of c.
@@ -94,29 +104,20 @@ fn windows(recording: &Recording, rows: usize) -> Vec<Window> {
     windows
 }
 
-/// Least squares of R, Ke, L (0 where it is not asked for) and u0. Neighbouring windows share a reading at their border, so
+/// Least squares of R, Ke, the factor of Δi, and u0. Neighbouring windows share a reading at their border, so
 /// their residuals are correlated: the errors are those of Newey and West (1987) with one lag.
-fn solve(windows: &[Window], with_inductance: bool) -> Option<[Value; 4]> {
+fn solve(windows: &[Window]) -> Option<[Value; 4]> {
     if windows.len() < FEWEST {
         return None;
     }
     let mut scale = windows.iter().fold(Vector4::zeros(), |sum: Vector4<f64>, w| sum + w.row.component_mul(&w.row));
     scale.apply(|sum| *sum = if *sum > 0.0 { sum.sqrt() } else { 1.0 });
-    let row = |window: &Window| {
-        let mut row = window.row.component_div(&scale);
-        if !with_inductance {
-            row[2] = 0.0;
-        }
-        row
-    };
+    let row = |window: &Window| window.row.component_div(&scale);
     let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
     for window in windows {
         let row = row(window);
         normal += row * row.transpose();
         right += row * window.impulse;
-    }
-    if !with_inductance {
-        normal[(2, 2)] = 1.0;
     }
     let inverse = normal.try_inverse()?;
     // Columns of length 1: what is left of each beside the others is at least a thousandth.

@@ -31,7 +31,7 @@ pub enum ModelError {
         file: String,
         /// Line, from 1.
         line: usize,
-        /// Key, effect, or parameter of which effect.
+        /// What is unknown: a key, an effect, or a parameter with its effect's name.
         what: Box<str>,
         /// What stands there.
         found: String,

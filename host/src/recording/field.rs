@@ -14,7 +14,7 @@ pub(super) fn shown(text: &str) -> String {
     short
 }
 
-/// The finite number in a field; `place` is asked only when there is none.
+/// The finite number in a field; `place` is called only for an error.
 pub(super) fn number(bytes: &[u8], place: impl FnOnce() -> Place) -> Result<f64, RecordingError> {
     let bytes = bytes.trim_ascii();
     let Ok(text) = std::str::from_utf8(bytes) else {

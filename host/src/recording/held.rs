@@ -16,7 +16,7 @@ use super::timing::median;
 const FAST: f64 = 2.0;
 /// Largest ratio of two successive changes; a change that is several times the other is not at one speed.
 const SAME_SPEED: f64 = 2.0;
-/// Fewest refreshes at speed from which a period is told.
+/// Fewest refreshes at speed that give a period.
 const LEAST: usize = 16;
 /// Least share of refreshes that come later than the next row: a period of 1.2 rows. A sensor that is read for every row has
 /// at most some 5 %, where the axis sticks and slips within a few rows.

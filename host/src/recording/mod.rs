@@ -18,6 +18,7 @@ mod quality;
 mod quantisation;
 mod refreshed;
 mod rows;
+mod session_clock;
 mod signal;
 mod source;
 mod table;
@@ -37,6 +38,7 @@ pub use limits::{MAX_COLUMNS, MAX_ROW_BYTES, MAX_ROWS};
 pub use lines::Lines;
 pub use options::{ReadOptions, Selection};
 pub use quality::Warning;
+pub use session_clock::{in_session_order, share_a_clock};
 pub use signal::Signal;
 pub use source::Source;
 pub use timing::{EVEN_WITHIN, GAP_FACTOR, Timing};
@@ -103,10 +105,11 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
     pub fn read_from(file: &str, input: impl Read, options: &ReadOptions) -> Result<Self, RecordingError> {
-        let wanted = [
+        let mut wanted = vec![
             Wanted { name: options.input_column(), flag: "--input" },
             Wanted { name: options.position_column(), flag: "--position" },
         ];
+        wanted.extend(options.current.as_deref().map(|name| Wanted { name, flag: "--current" }));
         let mut table = Table::read(file, input, options, &wanted)?;
         table.check(file)?;
         let unknown = Units::default();
@@ -115,11 +118,15 @@ impl Recording {
             u: unit_of(options.input_column()).unwrap_or(unknown.u),
             x: unit_of(options.position_column()).unwrap_or(unknown.x),
         };
+        let milliamperes = options.current.as_deref().and_then(unit_of).is_some_and(|unit| unit == "mA");
         table.warn_of_drive(0);
         table.clean_position(file, (1, options.position_column()), &units.x, options.wrap)?;
         let too_short = table.too_short(file);
         let mut columns = std::mem::take(&mut table.columns).into_iter();
-        let [u, x, current] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        let [u, x, mut current] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        if milliamperes {
+            current.iter_mut().for_each(|i| *i *= 1e-3);
+        }
         if x.len() < MIN_ROWS {
             return Err(too_short);
         }

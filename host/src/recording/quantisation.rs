@@ -13,9 +13,8 @@ const WHOLE_WITHIN: f64 = 0.12;
 /// A finer step than this fraction of the range is the number format's, not an encoder's.
 const FINEST: f64 = 1.0 / 4_294_967_296.0;
 
-/// The greatest step of which all position differences are whole multiples, or `None` if the positions are not
-/// visibly quantised. Of a `held` position a repeated value does not show a step. Only the smallest difference can be
-/// a single step.
+/// The greatest step that divides all position differences, position units; `None` if the positions are not visibly
+/// quantised. A repeated value of a `held` position shows no step. Only the smallest difference can be a single step.
 pub(super) fn infer_step(x: &[f64], held: bool) -> Option<f64> {
     let x = x.get(..ROWS).unwrap_or(x);
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));

@@ -17,6 +17,8 @@ pub mod machine;
 pub mod rcc;
 pub mod registers;
 pub mod store;
+#[cfg(unix)]
+pub mod terminal;
 pub mod timers;
 pub mod unicorn;
 pub mod watchdog;

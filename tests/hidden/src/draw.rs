@@ -1,19 +1,18 @@
 //! Random effect parameters, by seed.
 //!
-//! **Size.** With `F = size·A0`, A0 the suite's largest relay level h1 + h2 (V):
-//! - bias, stribeck s, stiction s, cogging A, gravity m, time_periodic A, dead_zone d, pwm d,
-//!   friction_drift s, force_well, torque_bursts, and velocity_ripple peak: equal to F;
-//! - load_friction k, position_gain: F at the drive A0; saturation: u_max = A0 − F;
-//!   gain_drift: F lost at the drive A0 at the end of the session;
-//! - position_friction: f1·k = F, with k ≤ 0.9;
-//! - asymmetric_viscous, quadratic_drag, spring, inertia_step, encoder_eccentricity: the parameter
-//!   for which the largest force over the session's own motion is F (calibrated by simulation;
-//!   caps: d ≤ 0.8c, −0.6 ≤ Δ ≤ 3, A ≤ 0.5 rad);
-//! - delay, electrical_lag: ω·τ = size at the high relay's frequency ω, so that the fundamental of
-//!   u(t) − u(t−τ) is F;
-//! - backlash: gap = size × peak-to-peak of the high relay's cycle, at least 4 encoder steps;
-//!   load 20–60 % of b, nearly plastic contact (200 Hz, damping ratio 0.8), friction on the motor only;
-//! - dahl, lugre: f1/σ0 = size × that peak-to-peak, at least 2 encoder steps (lugre also s = F/2);
+//! **Size.** An effect's parameters follow from F = size·A0, with A0 the suite's largest relay level h1 + h2 (V).
+//! - Equal to F: bias, stribeck s, stiction s, cogging A, gravity m, time_periodic A, dead_zone d, pwm d.
+//!   So are friction_drift s, force_well, torque_bursts, and the peak of velocity_ripple.
+//! - load_friction k, position_gain: F at the drive A0.
+//! - saturation: u_max = A0 − F.
+//! - gain_drift: F is lost at the drive A0 at the end of the session.
+//! - position_friction: f1·k = F, with k ≤ 0.9.
+//! - asymmetric_viscous, quadratic_drag, spring, inertia_step, encoder_eccentricity: a simulation calibrates the
+//!   parameter. The largest force over the session's own motion is then F, within d ≤ 0.8c, −0.6 ≤ Δ ≤ 3, A ≤ 0.5 rad.
+//! - delay, electrical_lag: ω·τ = size at the high relay's frequency ω. The fundamental of u(t) − u(t−τ) is then F.
+//! - backlash: gap = size × peak-to-peak of the high relay's cycle, at least 4 encoder steps. The load has 20–60 % of
+//!   b. The contact is nearly plastic (200 Hz, damping ratio 0.8), and friction acts on the motor only.
+//! - dahl, lugre: f1/σ0 = size × that peak-to-peak, at least 2 encoder steps. lugre also has s = F/2.
 //! - flexible_coupling: mass ratio 0.05 + 1.2·size, resonance 15–60 Hz.
 
 use crate::law::{Bristle, ForceLaw, Pwm, Second, Stribeck, Wave};
@@ -38,7 +37,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// A whole number of cycles per turn, of which the travel covers at least two.
+    /// A whole number of cycles per turn, at least 3. The travel covers at least two of these cycles.
     fn waves(&self, rng: &mut ChaCha8Rng) -> f64 {
         let least = (2.0 * TAU / self.travel).ceil().max(3.0);
         log_uniform(rng, least, (3.0 * least).max(24.0)).round()

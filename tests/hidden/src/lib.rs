@@ -1,10 +1,10 @@
 //! An independent plant with sealed truths, for blind tests of the discovery tool.
 //!
 //! Written from the effects table of the discovery specification alone. Nothing here uses the controller's or the
-//! host's simulators, so a mistake shared by those cannot hide in this one. A [`Case`] (seed, effects, size) becomes
-//! a [`Session`] of recordings, which is all that the tool may see, and a [`Truth`], which only the scorer opens. The
-//! [`World`] around the plant is kind (exact clock, no random torque, one sample rate) unless a [`Setting`] draws an
-//! unkind one.
+//! host's simulators, so a mistake shared by those cannot hide in this one. A [`Case`] has a seed, effects and a size.
+//! It becomes a [`Session`] of recordings, which is all that the tool may see. It also becomes a [`Truth`], which only
+//! the scorer opens. The [`World`] around the plant is kind (exact clock, no random torque, one sample rate) unless a
+//! [`Setting`] draws an unkind one.
 //!
 //! Units: drive in volts (force is expressed in drive units, as in `b·ẍ + c·ẋ + f1·sgn ẋ = u`),
 //! position in radians, time in seconds.

@@ -196,16 +196,16 @@ impl<'a> Plant<'a> {
         self.sample_for(u, t, self.tick_s, |_, _| ());
     }
 
-    /// Holds the drive u for `duration` from session time t on; `seen` gets the state at the end of each sub-step, with
-    /// its time since t. Returns the mean random torque.
+    /// Holds the drive u (V) for `duration` (s) from session time t on. `seen` gets the state at the end of each
+    /// sub-step, with its time since t, s. Returns the mean random torque, V.
     pub fn sample_for(&mut self, u: f64, t: f64, duration: f64, mut seen: impl FnMut(f64, &State)) -> f64 {
         let ticks = duration / self.tick_s;
         self.drive.hold(self.law, u, t, ticks);
-        // Longer samples get more sub-steps; the hair keeps the rounding of a whole tick from adding one.
+        // Longer samples get more sub-steps. A millionth is taken off, so that the rounding of a whole tick adds none.
         let substeps = (self.substeps as f64 * ticks - 1e-6).ceil().max(1.0);
         let h = duration / substeps;
-        // A delayed edge falls inside the sample: a sub-step ends there. With jitter it does not, and the sub-step gets the
-        // edge's mean drive.
+        // A delayed edge falls inside the sample, and a sub-step ends there. With jitter none ends there, and the
+        // sub-step gets the edge's mean drive.
         let edge = if ticks.to_bits() == 1f64.to_bits() { self.law.delay % self.tick_s } else { 0.0 };
         let mut impulse = 0.0;
         for i in 0..substeps as usize {

@@ -9,6 +9,9 @@ const LATE: [&str; 2] = ["delay", "electrical_lag"];
 /// What a supply that sags may be called: less drive at large drive, and less under load.
 const SAGGING: [&str; 2] = ["saturation", "load_friction"];
 
+/// A spring's rest position is moved by a constant load, −k·(x − x0) + f0 = −k·(x − x0 − f0/k): the two are one spring.
+const SPRING: [&str; 2] = ["spring", "constant_load"];
+
 /// Whether the row's world has this item.
 pub fn has(row: &Row, item: &str) -> bool {
     row.drawn.split(' ').any(|word| word.split('=').next() == Some(item))
@@ -18,6 +21,13 @@ pub fn has(row: &Row, item: &str) -> bool {
 fn is_hidden(row: &Row, name: &String) -> bool {
     let late = |name: &String| LATE.contains(&name.as_str());
     row.hidden.contains(name) || (has(row, "delay") && late(name) && row.hidden.iter().any(late))
+}
+
+/// The names with a constant load beside a spring left out.
+fn without_rest(names: &[String]) -> impl Iterator<Item = &String> {
+    let [spring, load] = SPRING;
+    let beside = names.iter().any(|name| name == spring);
+    names.iter().filter(move |name| !(beside && *name == load))
 }
 
 /// Whether the name is no hidden effect, but says what the world does.
@@ -45,7 +55,7 @@ impl Row {
                 let late = has(self, "delay") && LATE.contains(&name.as_str());
                 if late { LATE[0].to_owned() } else { name.clone() }
             };
-            let mut names: Vec<String> = names.iter().filter(|name| !is_excused(self, name)).map(one).collect();
+            let mut names: Vec<String> = without_rest(names).filter(|name| !is_excused(self, name)).map(one).collect();
             names.sort_unstable();
             if has(self, "delay") {
                 names.dedup();
@@ -78,7 +88,7 @@ impl Row {
 
     /// Whether the verdict is the right one.
     pub fn verdict_right(&self) -> bool {
-        let said = |hidden: &&String| {
+        let said = |hidden: &&String| -> bool {
             let names = || self.named.iter().chain(&self.tied);
             let late = LATE.contains(&hidden.as_str()) && has(self, "delay");
             names().any(|name| name == *hidden || (late && LATE.contains(&name.as_str())))
@@ -91,9 +101,10 @@ impl Row {
         if !self.is_catalogued() {
             return matches!(verdict, "unknown" | "partly_explained");
         }
-        match self.hidden.iter().filter(said).count() {
+        let hidden: Vec<&String> = without_rest(&self.hidden).collect();
+        match hidden.iter().copied().filter(said).count() {
             0 => false,
-            all if all == self.hidden.len() => verdict == "explained",
+            all if all == hidden.len() => verdict == "explained",
             _ => verdict == "partly_explained",
         }
     }
@@ -154,6 +165,14 @@ mod tests {
         assert!(late.lead_right() && late.right() && !late.wrong() && late.verdict_right());
         let strict = row("rate=200Hz", "electrical_lag", "explained", "delay", "");
         assert!(!strict.lead_right() && !strict.right() && strict.wrong() && !strict.verdict_right());
+    }
+
+    #[test]
+    fn a_constant_load_beside_a_spring_is_its_rest_position() {
+        let row = row("", "spring+constant_load", "explained", "spring", "");
+        assert!(row.right() && row.verdict_right());
+        let load = Row { named: vec!["constant_load".into()], ..row };
+        assert!(!load.right() && !load.verdict_right());
     }
 
     #[test]

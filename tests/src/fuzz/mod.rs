@@ -1,6 +1,6 @@
-//! The promises about every input, whatever its bytes. There is one function for each, run by libFuzzer
-//! (`cargo xtask fuzz`, the crate in fuzz/) and, on the committed corpus and some thousand damaged copies of it, by
-//! tests/tests/all/fuzz.rs.
+//! The promises about every input, whatever its bytes. There is one function for each. libFuzzer runs them
+//! (`cargo xtask fuzz`, the crate in fuzz/). tests/tests/all/fuzz.rs runs them on the committed corpus, and on some
+//! thousand damaged copies of it.
 //!
 //! Each panics where a promise is broken, and says whether the input was accepted. A test in which nothing is
 //! accepted, or nothing refused, tests nothing.

@@ -34,7 +34,7 @@ Where nothing is missing, naming nothing is right.
 
 *Errors.* Force residual: what the model leaves of the held-out force, in per cent of the drive. 1 s open
 loop: held-out simulation over windows of 1 s. Drive-free curve: a cubic in time, fitted to the position in
-such windows without the drive; a model that is further off has learnt nothing from the drive. Arrows lead
+such windows without the drive. A model that is further off has learnt nothing from the drive. Arrows lead
 from the base model to the final one.
 ";
 
@@ -145,7 +145,7 @@ fn beside(machine: &Machine, row: &Row) -> String {
     cells.collect::<Vec<_>>().join("; ")
 }
 
-/// What was refused, once, with the rows of which it is true.
+/// Each refusal once, with the rows that it holds for.
 fn notes(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
     let mut notes: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (machine, row, _) in scored.iter().filter(|(_, row, _)| !row.note.is_empty()) {
@@ -156,7 +156,7 @@ fn notes(out: &mut String, scored: &[(&Machine, &Row, Score)]) {
     }
     let _ = writeln!(out, "\n## What was refused\n");
     for (note, rows) in notes {
-        let _ = writeln!(out, "- {}: {note}", rows.join("; "));
+        let _ = writeln!(out, "- {note}. Rows: {}.", rows.join("; "));
     }
 }
 

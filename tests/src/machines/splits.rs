@@ -7,7 +7,7 @@ use breakaway::recording::Recording;
 use super::Machine;
 use super::reading::Source;
 
-/// Most files of which each is left out alone; of more, groups are.
+/// Most files that are left out one by one. More files are left out in groups.
 const MOST_ALONE: usize = 8;
 /// Groups that are left out one at a time. Odd, so that files that alternate in direction share a group.
 const GROUPS: usize = 5;

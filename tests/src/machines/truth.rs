@@ -2,14 +2,14 @@
 
 use breakaway_core::plant::Kind;
 
-/// What a discovery has to say of a machine.
+/// The right result of a discovery on a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truth {
     /// Something is missing from the base model.
     Effects {
         /// Names that may stand first.
         lead: &'static [Kind],
-        /// Names of which at least one must be given, in whatever place.
+        /// Names, at least one of which must be given, in whatever place.
         needed: &'static [Kind],
         /// Further names that are also true of the machine.
         also: &'static [Kind],
@@ -21,7 +21,7 @@ pub enum Truth {
 }
 
 impl Truth {
-    /// A truth of which the leading name alone is needed.
+    /// A truth that needs the leading name alone.
     pub const fn lead(lead: &'static [Kind], also: &'static [Kind]) -> Self {
         Self::Effects { lead, needed: lead, also }
     }

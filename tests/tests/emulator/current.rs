@@ -1,5 +1,7 @@
 //! The motor's current: from the winding through amplifier, ADC and comparators, on the board's registers.
 
+use breakaway::identify::estimate::{identify, mechanical};
+use breakaway::recording::{Recording, Units};
 use breakaway_core::link::{Command, DriveUnit, Ending, FaultCause, Limit, Reply, Sample, Settings};
 use breakaway_emulator::bench::{Bench, MS, TICK};
 use breakaway_emulator::winding::Winding;
@@ -143,7 +145,7 @@ fn a_wire_that_comes_off_is_a_fault_of_the_sensor() {
 const FULL_A: f64 = 2.9;
 
 /// The axis with its drive in A, by the current loop of the winding's name plate.
-fn regulated() -> Bench {
+pub fn regulated() -> Bench {
     wound(|settings| {
         settings.drive_unit = DriveUnit::Ampere;
         settings.drive_full_scale = FULL_A as f32;
@@ -207,4 +209,72 @@ fn a_relay_experiment_is_driven_by_currents() {
     assert!(settled > 5000, "{settled}");
     let turned = run.iter().map(|sample| sample.count.abs()).max().unwrap();
     assert!(turned > 100, "{turned} counts");
+}
+
+/// The limit and the comparators hold with the current loop too: 0.5 A against a limit of 0.4 A ends the run after 1 ms, and a winding
+/// that is shorted opens the bridge within the two steps, as under a voltage.
+#[test]
+fn the_limits_of_the_current_hold_under_the_current_loop() {
+    needs_unicorn!();
+    let mut bench = regulated();
+    let settings = Settings { current_max_ma: 400, ..bench.settings() };
+    bench.done(Command::SetSettings(settings));
+    bench.done(crate::machine::push(as_volts(0.5), 5000));
+    bench.until("the end", 100, |bench| bench.ended().is_some());
+    let Ending::Limit { limit: Limit::Current, value } = bench.ended().unwrap().ending else { panic!("no limit") };
+    // Between the limit and the half an ampere with its overshoot.
+    assert!((401..545).contains(&value), "{value} mA");
+    assert_eq!(bench.fault(), None);
+    bench.events.clear();
+    bench.done(crate::machine::push(as_volts(0.2), 5000));
+    bench.run(20 * MS);
+    let at = bench.now();
+    assert!(bench.machine.bus().driven_at + TICK > at);
+    let winding = bench.machine.bus().winding.as_mut().unwrap();
+    // The 0.4 V of the tick under way are 0.6 A, which is the comparators' level, after 2 µs.
+    (winding.resistance, winding.inductance) = (0.1, 2e-6);
+    bench.until("the fault", 100, |bench| bench.ended().is_some());
+    assert_eq!(bench.ended().unwrap().ending, Ending::Fault(FaultCause::OverCurrent));
+    let driven = bench.machine.bus().driven_at.saturating_sub(at);
+    assert!(driven <= 2 * HALF_PERIOD, "driven for {} µs more", driven / 170);
+}
+
+/// From what the board streams of a relay experiment in V: R and Ke of the winding, and with them the viscous friction.
+#[test]
+fn resistance_and_back_emf_are_in_what_the_board_streams() {
+    needs_unicorn!();
+    let mut bench = wound(|_| {});
+    bench.done(Command::StreamOn { decimation: 1 });
+    let recordings = [(2.0, 1.5), (1.0, 0.7)].map(|(h1, h2)| {
+        bench.events.clear();
+        bench.samples.clear();
+        bench.done(relay(h1, h2, 15_000));
+        bench.until("the end", 2000, |bench| bench.ended().is_some());
+        bench.run(5 * MS);
+        let run: Vec<Sample> = bench.samples.iter().copied().filter(|sample| sample.drive_code != 0).collect();
+        assert!(run.windows(2).all(|pair| pair[1].tick == pair[0].tick + 1) && run.len() > 14_000);
+        let column = |of: fn(&Sample) -> f64| run.iter().map(of).collect();
+        Recording {
+            t: column(|sample| 1e-4 * f64::from(sample.tick)),
+            u: column(|sample| 5.0 * f64::from(sample.drive_code) / 32_767.0),
+            x: column(|sample| 1e-3 * f64::from(sample.count)),
+            current: column(|sample| 1e-3 * f64::from(sample.current_ma.unwrap())),
+            encoder_step: Some(1e-3),
+            units: Units { u: "V".into(), x: "rad".into() },
+            ..Recording::default()
+        }
+    });
+    let identified = identify(&recordings).unwrap();
+    let found = identified.winding.unwrap();
+    let viscous = mechanical(identified.best.c, found.back_emf);
+    println!("{found:?}, c {:?}, viscous {viscous:?}", identified.best.c);
+    let inductance = found.inductance.unwrap();
+    for (name, value, truth, share) in [
+        ("R", found.resistance.value, WINDING.resistance, 0.01),
+        ("Ke", found.back_emf.value, WINDING.back_emf, 0.02),
+        ("viscous", viscous.value, 0.11 - WINDING.back_emf, 0.05),
+        ("L", inductance.value, WINDING.inductance, 0.1),
+    ] {
+        assert!((value / truth - 1.0).abs() < share, "{name}: {value}");
+    }
 }

@@ -18,5 +18,7 @@ mod faults;
 mod flash;
 mod identify;
 mod machine;
+#[cfg(unix)]
+mod port;
 mod resets;
 mod rules;

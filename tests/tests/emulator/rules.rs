@@ -111,7 +111,7 @@ fn outputs_come_on_in_their_order() {
     refused(&mut bench, "TIM1.BDTR", bdtr | 1 << 14 | on, "come on again by themselves");
     // With all of it in place, and the dead time no longer to be changed.
     bench.machine.poke(address("TIM1.BDTR"), 4, bdtr | on).unwrap();
-    refused(&mut bench, "TIM1.BDTR", bdtr + 1 | on, "while the outputs are on");
+    refused(&mut bench, "TIM1.BDTR", (bdtr + 1) | on, "while the outputs are on");
     bench.machine.poke(address("TIM1.BDTR"), 4, 0).unwrap_err();
     let mut bench = board();
     bench.machine.poke(address("TIM1.BDTR"), 4, 0).unwrap();

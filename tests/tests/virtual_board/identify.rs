@@ -23,7 +23,7 @@ pub fn refused(arguments: &[&str]) -> String {
 }
 
 /// Built beside this test (`CARGO_BIN_EXE_` is for tests of its own package only).
-fn program() -> std::path::PathBuf {
+pub fn program() -> std::path::PathBuf {
     let test = std::env::current_exe().unwrap();
     let program = test.parent().and_then(std::path::Path::parent).unwrap().join("breakaway");
     assert!(program.is_file(), "{} is missing: build it by `cargo build -p breakaway`", program.display());

@@ -14,6 +14,7 @@ mod closing;
 mod discover;
 mod faults;
 mod flash;
+mod following;
 mod identify;
 mod loop_closed;
 mod soak;

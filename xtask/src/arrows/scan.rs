@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-/// From room to room, with the files that say so.
+/// From a room to each room that it names, with the files that name it.
 pub type Arrows = BTreeMap<(String, String), Vec<String>>;
 
 /// The rooms of a crate: the modules at the top of its `src`, without what ties them together (`lib`, `main`, `bin/`).

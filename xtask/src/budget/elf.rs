@@ -5,6 +5,9 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, elf};
 
+/// CCM SRAM of the STM32G4 (memory.x); elsewhere, nothing is at these addresses.
+const CCM: std::ops::Range<u64> = 0x1000_0000..0x1000_8000;
+
 /// Bytes of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
@@ -12,13 +15,15 @@ pub struct Sizes {
     pub flash: u64,
     /// Statics in RAM.
     pub ram: u64,
+    /// Code that is copied to CCM SRAM of the STM32G4.
+    pub ccm: u64,
 }
 
 /// Flash and static RAM: the sections that are loaded, and those that are writable.
 pub fn sizes(file: &Path) -> Result<Sizes> {
     let data = std::fs::read(file).with_context(|| file.display().to_string())?;
     let object = object::File::parse(&*data).with_context(|| file.display().to_string())?;
-    let mut sizes = Sizes { flash: 0, ram: 0 };
+    let mut sizes = Sizes { flash: 0, ram: 0, ccm: 0 };
     for section in object.sections() {
         let SectionFlags::Elf { sh_flags, .. } = section.flags() else { continue };
         if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
@@ -27,6 +32,9 @@ pub fn sizes(file: &Path) -> Result<Sizes> {
         let in_file = section.file_range().is_some_and(|(_, size)| size > 0);
         if in_file {
             sizes.flash += section.size();
+        }
+        if CCM.contains(&section.address()) {
+            sizes.ccm += section.size();
         }
         if sh_flags & u64::from(elf::SHF_WRITE) != 0 {
             sizes.ram += section.size();

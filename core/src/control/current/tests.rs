@@ -1,3 +1,10 @@
+//! What the current loop does to a winding, whose current between ticks is in closed form.
+
+extern crate std;
+use std::vec::Vec;
+
+use proptest::prelude::*;
+
 use super::*;
 use crate::scalar::Q32;
 
@@ -54,18 +61,18 @@ fn it_is_the_formula() {
     assert!((scaled.proportional / control.proportional - 32.767 / 5.0).abs() < 1e-9);
 }
 
-/// The largest bandwidth has 60° of phase: the step overshoots by at most a twelfth, is there within six delays' time constants (3 ms at
-/// most), and a back-EMF is followed to nothing.
+/// The largest bandwidth has 60° of phase: the step overshoots by at most a twelfth, and is within 1 % after 3 ms (20 of the loop's time
+/// constants). A back-EMF E makes an error of at most E/kp, which decays with L/R, and with ωc where that is slower.
 #[test]
 fn a_step_is_followed_at_any_inductance_and_a_back_emf_is_made_up_for() {
     for inductance in [2e-2, 2e-3, 2e-4, 2e-5] {
         let winding = Winding { inductance, ..WINDING };
         let currents = step::<f64>(winding, winding, 0.5, f64::INFINITY, 0.3);
+        let left = 0.3 / designed::<f64>(winding).proportional * libm::exp(-200.0 * TICK_S * 2.0 / inductance);
         let peak = currents[..200].iter().copied().fold(0.0, f64::max);
         assert!(peak < 0.5 * (1.0 + 1.0 / 12.0), "{inductance} H: {peak}");
         assert!(currents[30..200].iter().all(|i| (i - 0.5).abs() < 0.005), "{inductance} H: {:?}", &currents[..30]);
-        // The disturbance decays with ωc: within 100 time constants only rounding is left.
-        assert!((currents[399] - 0.5).abs() < 1e-6, "{inductance} H: {}", currents[399]);
+        assert!((currents[399] - 0.5).abs() < 1.1 * left + 1e-9, "{inductance} H: {}, {left}", currents[399]);
     }
 }
 
@@ -134,4 +141,46 @@ fn what_is_no_winding_or_no_bandwidth_is_refused() {
     let largest = WINDING.largest_bandwidth(DELAY_S);
     assert_eq!(made(WINDING, largest, TICK_S, DELAY_S), None);
     assert_eq!(made(WINDING, 1.01 * largest, TICK_S, DELAY_S), Some(CurrentLoopError::Bandwidth));
+}
+
+/// The share of `reference` by which the current goes past it, and that it misses in the last 50 ticks.
+fn past_and_missed(currents: &[f64], reference: f64) -> (f64, f64) {
+    let shares = || currents[..200].iter().map(|i| i / reference - 1.0);
+    (shares().fold(0.0, f64::max), shares().skip(150).map(f64::abs).fold(0.0, f64::max))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
+
+    /// Any winding of 10 mΩ to 100 Ω and L/R of 0.01 to 1000 ticks (1 µs to 0.1 s): with its own numbers a step goes past by at most a
+    /// twelfth and is reached to 1e-6. A back-EMF of a tenth of R·i leaves 2e-4 of i after 20 ms at the most: its error 0.1·R·i/(ωc·L)
+    /// decays with L/R, and the product is the largest where L/R is these 20 ms.
+    #[test]
+    fn any_winding_is_driven(log_r in -2.0..2.0_f64, log_tau in -2.0..3.0_f64, amperes in 0.05..50.0_f64) {
+        let resistance = libm::pow(10.0, log_r);
+        let winding = Winding { resistance, inductance: resistance * libm::pow(10.0, log_tau) * TICK_S };
+        let currents = step::<f64>(winding, winding, amperes, f64::INFINITY, 0.1 * resistance * amperes);
+        let (past, missed) = past_and_missed(&currents, amperes);
+        prop_assert!(past < 1.0 / 12.0 && missed < 1e-6, "past by {past}, missed by {missed}");
+        prop_assert!((currents[399] / amperes - 1.0).abs() < 3e-4, "{}", currents[399]);
+    }
+
+    /// A name plate that is off by up to 30 % in R and L, either way: it still settles, to 1 %, and goes past by less than 40 %.
+    #[test]
+    fn a_name_plate_may_be_off(log_tau in -1.0..2.0_f64, r in 0.7..1.3_f64, l in 0.7..1.3_f64) {
+        let inductance = 2.0 * libm::pow(10.0, log_tau) * TICK_S;
+        let truth = Winding { resistance: 2.0, inductance };
+        let plate = Winding { resistance: 2.0 * r, inductance: inductance * l };
+        let (past, missed) = past_and_missed(&step::<f64>(plate, truth, 0.5, f64::INFINITY, 0.0), 0.5);
+        prop_assert!(past < 0.4 && missed < 0.01, "past by {past}, missed by {missed}");
+    }
+
+    /// A bridge of 1.05 to 3 times R·i: cut off for as long as it is, the current goes past by no more than without a limit, and settles.
+    #[test]
+    fn a_cut_voltage_winds_nothing_up(log_tau in -1.0..1.0_f64, headroom in 1.05..3.0_f64) {
+        let winding = Winding { resistance: 2.0, inductance: 2.0 * libm::pow(10.0, log_tau) * TICK_S };
+        let (free, _) = past_and_missed(&step::<f64>(winding, winding, 0.5, f64::INFINITY, 0.0), 0.5);
+        let (past, missed) = past_and_missed(&step::<f64>(winding, winding, 0.5, headroom, 0.0), 0.5);
+        prop_assert!(past <= free + 1e-9 && missed < 1e-6, "past by {past} of {free}, missed by {missed}");
+    }
 }

@@ -12,13 +12,13 @@
 //!
 //! # What sampling costs
 //! The test function actually used is the *piecewise linear* interpolant of φ's samples, which is as good a test
-//! function as φ itself. With it
-//! - `∫φẍ = Σ φ_k (x_{k+1} − 2x_k + x_{k−1})/Ts` holds exactly, because the second difference of `x` *is* the
-//!   integral of `ẍ` over a triangle, also where `ẍ` jumps;
-//! - `∫φu` over a zero-order-held drive is exactly the trapezoid `Σ u_k Ts (φ_k + φ_{k+1})/2`;
-//! - `∫φ·sgn v` is exact for given sub-sample edges;
-//! - `∫φẋ = −Σ (φ_{k+1} − φ_k)/Ts ∫x` needs `∫x` between samples: the cubic through four samples, error of order
-//!   `(ωTs)⁴/60` relative, and `Ts³/24` times a jump of `ẍ`.
+//! function as φ itself. These integrals follow.
+//! - `∫φẍ = Σ φ_k (x_{k+1} − 2x_k + x_{k−1})/Ts` holds exactly. The second difference of `x` *is* the integral of
+//!   `ẍ` over a triangle, also where `ẍ` jumps.
+//! - `∫φu` over a zero-order-held drive is exactly the trapezoid `Σ u_k Ts (φ_k + φ_{k+1})/2`.
+//! - `∫φ·sgn v` is exact for given sub-sample edges.
+//! - `∫φẋ = −Σ (φ_{k+1} − φ_k)/Ts ∫x` needs `∫x` between samples, which the cubic through four samples gives. Its
+//!   relative error is of order `(ωTs)⁴/60`; a jump of `ẍ` adds `Ts³/24` times the jump.
 //!
 //! All position terms are differences, so that an offset costs no precision in f32. The oscillators' rounding changes
 //! φ a little, which has no effect, because every term uses the same φ.

@@ -35,8 +35,9 @@ pub fn even(y: &[f64], start_s: f64, sample_period_s: f64) -> impl Iterator<Item
 /// Linear fit at a known frequency (memo section 2.1): `samples` are (time in s, value), time strictly increasing.
 ///
 /// # Errors
-/// [`SineError`]: too few samples or cycles, values that are not finite, a clock that does not increase, a frequency
-/// outside (0, Nyquist), a constant signal, or columns that the sampling instants do not separate.
+/// [`SineError`] refuses too few samples or cycles, values that are not finite, and a clock that does not increase. It
+/// also refuses a frequency outside (0, Nyquist), a constant signal, and columns that the sampling instants do not
+/// separate.
 pub fn fit_fixed<I>(samples: I, omega_rad_s: f64, model: SineModel) -> Result<SineFit, SineError>
 where
     I: Iterator<Item = (f64, f64)> + Clone,

@@ -1,15 +1,16 @@
 //! From block phasors to the sine: weighted least squares with closed-form sums.
 //!
-//! About its own centre, a block of L samples sees `y = P·cos ωm + Q·sin ωm + d`, and its sums
-//! `C = Σy·cos wm`, `S = Σy·sin wm`, `Y = Σy` (w the oscillator's frequency) have the noise covariance σ²G with
-//! `G = [[C2, 0, D(w)], [0, S2, 0], [D(w), 0, L]]`, `C2, S2 = (L ± D(2w))/2`, D the Dirichlet sum Σcos αm.
-//! Whitened by the Cholesky factor of G this is three rows of unit noise per block:
+//! About its own centre, a block of L samples sees `y = P·cos ωm + Q·sin ωm + d`. Its sums are `C = Σy·cos wm`,
+//! `S = Σy·sin wm` and `Y = Σy`, with w the oscillator's frequency. Their noise has the covariance σ²G, with
+//! `G = [[C2, 0, D(w)], [0, S2, 0], [D(w), 0, L]]` and `C2, S2 = (L ± D(2w))/2`. D(α) is the Dirichlet sum Σcos αm.
+//! The Cholesky factor of G whitens them into three rows of unit noise for each block:
 //!
 //! - `Y/√L               = (D(ω)·P + L·d)/√L`
 //! - `(C − Y·D(w)/L)/√V  = (Kc − D(w)D(ω)/L)·P/√V`,  V = C2 − D(w)²/L; the offset has dropped out
 //! - `S/√S2              = Ks·Q/√S2`,  with `Kc, Ks = (D(ω−w) ± D(ω+w))/2`
 //!
-//! linear in (p, q, d) by `P = q·cos ωtc + p·sin ωtc`, `Q = p·cos ωtc − q·sin ωtc`, tc the block's centre.
+//! They are linear in (p, q, d) by `P = q·cos ωtc + p·sin ωtc` and `Q = p·cos ωtc − q·sin ωtc`, with tc the block's
+//! centre.
 //!
 //! Angles are integers in fractions of a turn, and the frequency is the oscillator's plus a difference. So f32 loses
 //! nothing over a long record, whose angles it could not hold. Frequencies are given as half the angle per sample, in
@@ -338,10 +339,10 @@ impl<R: SolverReal> Noise<R> {
     /// power H the variance of `within` is 2σ⁴n + 4σ²H instead of 2σ⁴n. At 60 dB and ω0 off by 3 % it would be worth
     /// nothing, and the blocks' residual alone is left.
     ///
-    /// Where harmonics make `within` thousands of times `between`, the result hangs on the weight, `between`/H. In
-    /// f32, H errs by 1e-7 of the record's power (measured: 4.75e-3 for 4.51e-3 of 2918, standard errors 0.8 % off),
-    /// and `between` by 0.7 % where the residual is 3e-5 of the signal (5.03e-6 for 4.99e-6 of 5617). Its rows are
-    /// differences, too.
+    /// Harmonics may make `within` thousands of times `between`. The result then depends on the weight, `between`/H. In
+    /// f32, H errs by 1e-7 of the record's power. A measured case has 4.75e-3 for 4.51e-3 of 2918, with standard errors
+    /// 0.8 % off. The rows of `between` are differences, too. It errs by 0.7 % where the residual is 3e-5 of the signal
+    /// (5.03e-6 for 4.99e-6 of 5617).
     fn variance(&self) -> R {
         let between = self.between / self.between_freedom;
         let n = self.within_freedom;
@@ -354,8 +355,8 @@ impl<R: SolverReal> Noise<R> {
     }
 }
 
-/// Whether the sine found is an alias. A frequency that dephases by more than 3/4 of a cycle per block appears at
-/// another one with less than a tenth of its power. The rest varies within the blocks.
+/// Whether the found sine is an alias. A sine that dephases by more than 3/4 of a cycle per block appears at another
+/// frequency, with less than a tenth of its power. The rest varies within the blocks.
 fn is_alias<R: SolverReal>(point: &Point<R, N>, inside: R) -> bool {
     let [p, q, _] = point.theta;
     (p * p + q * q).scale(5.0) < inside

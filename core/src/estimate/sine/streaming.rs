@@ -189,8 +189,9 @@ impl<R: SolverReal> StreamingSine<R> {
     /// Frequencies from half to twice ω0 are searched, as far as the blocks resolve them.
     ///
     /// # Errors
-    /// [`SineError`]: too few samples or cycles, values that are not finite, saturated integers, a constant signal, a
-    /// frequency on the edge of the search range, or an ω0 too far off ([`SineError::Recentre`], if B < 8·M·|ε|).
+    /// [`SineError`] refuses too few samples or cycles, values that are not finite, saturated integers, and a constant
+    /// signal. It also refuses a frequency on the edge of the search range, and an ω0 too far off
+    /// ([`SineError::Recentre`], if B < 8·M·|ε|).
     pub fn fit<S: Sample, const B: usize>(&self, sums: &BlockSums<S, B>) -> Result<SineFit<R>, SineError> {
         let length = self.block_length(sums);
         let samples = (sums.full as u64).saturating_mul(length).saturating_add(sums.filled);
@@ -210,7 +211,7 @@ impl<R: SolverReal> StreamingSine<R> {
                 let mut total = *stored;
                 let mut size = length;
                 if i + 1 == sums.full && !alone {
-                    // Cannot leave its range: it is at most the record's sum, of which the blocks are parts.
+                    // The sum stays in its range: it is at most that of the record, and the blocks are parts of it.
                     if !S::merge(&mut total, &sums.current) {
                         return Err(SineError::Saturated);
                     }

@@ -1,9 +1,10 @@
 //! The catalogue of named physical effects (docs/effects.md): one file per effect.
 //!
-//! Each file holds a unit type that implements [`Law`]: its [`Definition`] (equation, parameters with their roles,
-//! where it acts, what shows it, how it relates to other effects). It has only the hooks through which it acts and is
-//! compensated. What is specific to an effect stands in its file and nowhere else. The list at the end of this file
-//! is the catalogue; naming, fitting, reporting and the file format follow from it.
+//! Each file holds a unit type that implements [`Law`]. Its [`Definition`] has the equation, the parameters with their
+//! roles, and where the effect acts. It also says what shows the effect, and how that relates to other effects. The
+//! type has only the hooks through which the effect acts and is compensated. Whatever is specific to an effect stands
+//! in its file and nowhere else. The list at the end of this file is the catalogue; naming, fitting, reporting and the
+//! file format follow from it.
 #![allow(clippy::inline_always, reason = "see `motion`: a fifth of a discovery's time")]
 
 mod canonical;

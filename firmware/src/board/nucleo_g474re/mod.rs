@@ -9,7 +9,6 @@ mod encoder;
 mod flash;
 mod over_current;
 mod protection;
-mod retained;
 mod serial;
 mod start;
 mod ticks;
@@ -21,12 +20,11 @@ pub use encoder::{Quadrature, TransitionError};
 pub use flash::{FlashError, SettingsFlash, acknowledge_ecc};
 pub use over_current::OverCurrent;
 pub use protection::Guard;
-pub use retained::RetainedRam;
 pub use serial::Serial;
 pub use start::{Parts, start};
 pub use ticks::{TickSlot, TickTimer};
 
-use crate::board::Board;
+use crate::board::{Board, RetainedRam};
 
 /// What the tick needs.
 pub struct Nucleo {

@@ -15,9 +15,9 @@ use super::current::Current;
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::{Guard, system_breaks};
-use super::retained::RetainedRam;
 use super::serial::Serial;
 use super::ticks::TickTimer;
+use crate::board::RetainedRam;
 
 /// The board, in the parts that go different ways.
 pub struct Parts {

@@ -84,7 +84,9 @@ pub fn run(args: &Args, source: &Path, port: &str, output: Output) -> anyhow::Re
     let recording = args.output.as_ref().map(|folder| folder.join(RECORDING));
     if let (Some(folder), Some(file)) = (&args.output, &recording) {
         output.folder(folder, "a folder")?;
-        output.may_write(file, FileKind::Recording, &[&args.model, source])?;
+        if file.exists() {
+            output.may_write(file, FileKind::Recording, &[&args.model, source])?;
+        }
     }
     if args.monitor.monitor && source.as_os_str() == "-" {
         let text = "--monitor reads keys from standard input, as --follow - does its set-points: watch with `breakaway \
@@ -162,18 +164,13 @@ fn text(document: &Document) -> String {
     let Document { source, set_points, duration_s, rms, peak, rms_steps, dry, missing, recording, units, .. } =
         document;
     let x = &units.x;
-    let mut text = format!(
+    let followed = format!(
         "{set_points} set-points of {source} followed in {duration_s:.3} s: error rms {rms:.3e} {x} ({rms_steps:.2} encoder \
          steps), peak {peak:.3e} {x}"
     );
-    if *dry > 0 {
-        text += &format!("; they ran dry {dry} times, and the axis rested meanwhile");
-    }
-    if *missing > 0 {
-        text += &format!("; {missing} samples are missing");
-    }
-    if let Some(recording) = recording {
-        text += &format!("; written to {recording}");
-    }
-    text
+    let dry = (*dry > 0).then(|| format!("they ran dry {dry} times, and the axis rested meanwhile"));
+    let missing = (*missing > 0).then(|| format!("{missing} samples are missing"));
+    let written = recording.as_ref().map(|recording| format!("written to {recording}"));
+    let parts: Vec<String> = [Some(followed), dry, missing, written].into_iter().flatten().collect();
+    parts.join("; ")
 }

@@ -1,29 +1,21 @@
 //! Set-points followed on the board as they come.
 
-use std::collections::VecDeque;
-use std::sync::mpsc::TryRecvError;
 use std::time::{Duration, Instant};
 
 use breakaway_core::link::{
-    Batch, Bounds, Command, CommandError, ControllerGains, Ended, Ending, Event, Following, Message, Mode, Model,
-    Reply, SET_POINTS, SetPoint, SetPoints, Track, Trajectory,
+    Batch, Bounds, Command, CommandError, ControllerGains, Ended, Ending, Event, Message, Mode, Model, Reply, Track,
+    Trajectory,
 };
 
+use super::feed::{ASK_AGAIN, Feed};
 use super::{LAG, Runner, SILENCE};
-use crate::device::set_points::{LineError, Schedule, Source};
+use crate::device::set_points::Source;
 use crate::device::stream::Stream;
 use crate::device::{DeviceError, text};
 use crate::interrupt::FinishFirst;
 
-/// Set-points that wait here for room on the board.
-const WAITING: usize = 2 * SET_POINTS;
 /// How long the board may take to answer set-points, before they are sent again.
 const ANSWER: Duration = Duration::from_millis(250);
-/// How often a board without room is asked again: its room for 31 lasts longer down to a set-point each millisecond.
-const ASK_AGAIN: Duration = Duration::from_millis(4);
-/// How long a set-point without a velocity waits at least for the next line.
-const LEAST_WAIT: Duration = Duration::from_millis(20);
-
 /// A controller and how set-points are followed.
 #[derive(Clone, Debug)]
 pub struct FollowRun<'a> {
@@ -60,74 +52,6 @@ pub struct FollowTotals {
     pub dry: u32,
     /// How the board says it ended.
     pub ended: Option<Ended>,
-}
-
-/// The set-points on their way.
-struct Feed<'a> {
-    source: &'a Source,
-    schedule: Schedule,
-    /// With their lines.
-    waiting: VecDeque<(u64, SetPoint)>,
-    /// The input is at its end, and its last set-point waits or is taken.
-    complete: bool,
-    /// The board has taken all.
-    done: bool,
-    heard: Instant,
-    asked: Instant,
-    state: Following,
-}
-
-impl Feed<'_> {
-    /// Takes what has been read.
-    fn read(&mut self) -> Result<(), LineError> {
-        while self.waiting.len() < WAITING && !self.complete {
-            let made = match self.source.points.try_recv() {
-                Ok(point) => {
-                    self.heard = Instant::now();
-                    self.schedule.push(point?)?
-                }
-                Err(TryRecvError::Disconnected) => {
-                    self.complete = true;
-                    self.schedule.flush()?
-                }
-                Err(TryRecvError::Empty) => {
-                    let wait = self.schedule.interval_s().map(|s| Duration::from_secs_f64(s).max(LEAST_WAIT));
-                    if !wait.is_some_and(|wait| self.heard.elapsed() > wait) {
-                        return Ok(());
-                    }
-                    // The next line is late: the axis comes to rest here.
-                    self.schedule.flush()?
-                }
-            };
-            self.waiting.extend(made);
-        }
-        Ok(())
-    }
-
-    /// Whether something is to be sent now.
-    fn is_due(&self) -> bool {
-        let wanting = !self.waiting.is_empty() || self.complete;
-        !self.done && wanting && (self.state.room > 0 || self.asked.elapsed() > ASK_AGAIN)
-    }
-
-    /// The next command.
-    fn command(&mut self) -> SetPoints {
-        self.asked = Instant::now();
-        let count = usize::from(self.state.room).min(SET_POINTS);
-        let mut sent = SetPoints { sequence: self.state.next, ..SetPoints::default() };
-        sent.points.extend(self.waiting.iter().take(count).map(|(_, point)| *point));
-        sent.last = self.complete && sent.points.len() == self.waiting.len();
-        sent
-    }
-
-    /// Takes the answer to `sent`.
-    fn taken(&mut self, sent: &SetPoints, now: Following) {
-        let taken = now.next.wrapping_sub(self.state.next) as usize;
-        self.waiting.drain(..taken.min(self.waiting.len()));
-        // A board that does not know its start yet has no room, and does not take the last flag either.
-        self.done = sent.last && self.waiting.is_empty() && (now.next > 0 || now.room > 0);
-        self.state = now;
-    }
 }
 
 impl Runner {
@@ -191,12 +115,8 @@ impl Runner {
         seen: &mut dyn FnMut(&Message) -> Result<(), DeviceError>,
         totals: &mut FollowTotals,
     ) -> anyhow::Result<()> {
-        let now = Instant::now();
-        let schedule = Schedule::new(&source.name, self.scale.tick_hz);
-        let (waiting, state) = (VecDeque::new(), Following::default());
-        let (complete, done) = (false, false);
-        let mut feed = Feed { source, schedule, waiting, complete, done, heard: now, asked: now, state };
-        let (mut stream, mut heard, mut ended_at, mut fault) = (Stream::default(), now, None, None);
+        let mut feed = Feed::new(source, self.scale.tick_hz);
+        let (mut stream, mut heard, mut ended_at, mut fault) = (Stream::default(), Instant::now(), None, None);
         loop {
             if interrupt.requested() {
                 return Err(DeviceError::Interrupted.into());
@@ -218,6 +138,7 @@ impl Runner {
                 return Err(DeviceError::Silent { port, command: "status", seconds }.into());
             }
             match message {
+                Some(Message::Reply { reply: Reply::Following(now), .. }) => feed.heard(now),
                 Some(Message::Samples(batch)) => totals.take(&batch, &mut stream),
                 Some(Message::Event(Event::ExperimentEnded(ended))) => {
                     totals.ended = Some(ended);

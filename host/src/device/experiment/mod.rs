@@ -1,6 +1,7 @@
 //! Experiments on the board: from an experiment's file to the board's commands, and its samples to a recording.
 
 mod commands;
+mod feed;
 mod follow;
 mod record;
 mod tracking;

@@ -1,4 +1,4 @@
-use breakaway_core::link::{DriveUnit, PositionUnit, Text};
+use breakaway_core::link::{Bounds, DriveUnit, PositionUnit, Text};
 
 use super::*;
 use crate::simulate::experiment::Sensor;

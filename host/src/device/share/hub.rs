@@ -75,6 +75,13 @@ impl Hub {
                 None
             }
             Message::Event(_) | Message::Samples(_) => {
+                if let (Message::Samples(batch), Some(status)) = (&message, &mut known.status)
+                    && let Some(Ok(last)) = batch.samples().last()
+                {
+                    // A holder that sends all the time asks for no status.
+                    status.mode = last.mode;
+                    (status.tick, status.count, status.drive_code) = (last.tick, last.count, last.drive_code);
+                }
                 if !known.guests.is_empty() {
                     let frame = frame(&message);
                     known.guests.retain(|guest| guest.send(frame.clone()));

@@ -71,7 +71,8 @@ pub(in crate::device) fn name(port: &str) -> io::Result<String> {
         return Ok(short);
     }
     let hash = Sha256::digest(whole.as_bytes());
-    Ok(hash.iter().take(8).map(|byte| format!("{byte:02x}")).collect())
+    let first = hash.iter().take(8).fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+    Ok(format!("{first:016x}"))
 }
 
 #[cfg(test)]

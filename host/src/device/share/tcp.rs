@@ -1,12 +1,11 @@
 //! The socket of a shared port where there are no Unix domain sockets: TCP on loopback. The file has the socket's number and
 //! a secret, which a guest says first: the file is the user's own, loopback is everybody's.
 
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::Path;
 use std::time::Duration;
-
-use rand::RngExt as _;
 
 /// A connection.
 pub(in crate::device) type Stream = TcpStream;
@@ -27,7 +26,10 @@ impl Listener {
     pub(super) fn bind(path: &Path) -> io::Result<Self> {
         let socket = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let mut secret = [0; SECRET];
-        rand::rng().fill(&mut secret[..]);
+        for (k, part) in secret.chunks_exact_mut(8).enumerate() {
+            // The standard library's hash has a key from the system's randomness, and cannot be told without it.
+            part.copy_from_slice(&RandomState::new().hash_one(k).to_le_bytes());
+        }
         let mut file = socket.local_addr()?.port().to_le_bytes().to_vec();
         file.extend(secret);
         std::fs::write(path, file)?;

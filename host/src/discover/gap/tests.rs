@@ -16,8 +16,8 @@ const SEGMENT: usize = 40;
 const WINDOW: usize = 100;
 const SIGMA: f64 = 3.0;
 
-/// A record of an axis that friction holds, whatever its start, with `x` as read: what is simulated is a constant, and
-/// fitted it is the reading's mean. One segment after the other, or windows, are held out.
+/// A record of an axis that friction holds, with `x` as its reading. Any start simulates to a constant, and the fitted
+/// one is the mean of the reading. The segments, or the windows, follow one another and are all held out.
 fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
     let n = x.len();
     let zeros = vec![0.0; n];
@@ -58,7 +58,8 @@ fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
     (data, fit)
 }
 
-/// Readings that are off by one amount, up and down in turns, in every segment: its mean square is `squares` times the noise's.
+/// Readings that are off by one amount in every segment, up and down in turns. A segment's mean square is its entry of
+/// `squares` times the noise's.
 fn alternating(squares: &[f64], len: usize) -> Vec<f64> {
     let segment = |m: &f64| {
         let off = SIGMA * m.sqrt();
@@ -71,7 +72,8 @@ fn close(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() < 1e-6
 }
 
-/// Ten segments at the noise, eight at three times its mean square, two at a hundred times (of which the worst tenth is cut).
+/// Ten segments are at the noise, eight at three times its mean square, and two at a hundred times. The worst tenth is
+/// those two, and is cut.
 #[test]
 fn the_gap_is_that_of_its_segments() {
     let squares = [1., 3., 1., 100., 1., 3., 3., 1., 1., 3., 1., 3., 1., 3., 1., 3., 100., 1., 3., 1.];
@@ -82,7 +84,8 @@ fn the_gap_is_that_of_its_segments() {
     assert!(close(gap.rmse, (floor * 234.0 / 20.0).sqrt()), "{gap:?}");
     assert!(close(gap.excess, floor * (34.0 / 18.0 - 1.0)), "{gap:?}");
     assert!(close(gap.median, 3.0) && close(gap.above, 0.5), "{gap:?}");
-    // The windows are these segments, and with the start fitted to all of one there is nothing left to miss.
+    // The windows are these segments. A start fitted to all of a window leaves its alternation, which is its mean
+    // square.
     assert!(close(gap.open_loop, 34.0 / 18.0), "{gap:?}");
 }
 
@@ -93,7 +96,7 @@ fn twice_the_noise_is_above() {
     assert!(close(Gap::of(&data, &fit).above, 0.25));
 }
 
-/// What is below the noise has a gap all the same, of a thousandth: shares are taken of it.
+/// A model below the noise keeps a gap of a thousandth of it, because shares are taken of the gap.
 #[test]
 fn a_gap_below_the_noise_is_not_none() {
     let (data, fit) = held(alternating(&[0.5; 4], SEGMENT), SEGMENT, SEGMENT);
@@ -102,8 +105,8 @@ fn a_gap_below_the_noise_is_not_none() {
     assert!(close(gap.mean_log, 0.75_f64.ln()) && close(gap.open_loop, 0.5), "{gap:?}");
 }
 
-/// An open-loop window is started from a fit to as much of it as a segment holds, and sees the measurement no more: with ten
-/// over half of a segment and nothing over the rest of the window, it starts at five and stays there.
+/// A window's start is fitted over one segment length, and sees the measurement no more. The reading is ten over half
+/// of a segment and nothing over the rest of the window. So the simulation starts at five and stays there.
 #[test]
 fn an_open_loop_window_starts_from_its_first_segment() {
     let window = (0..WINDOW).map(|k| if k < SEGMENT / 2 { 10.0 } else { 0.0 });
@@ -115,7 +118,7 @@ fn an_open_loop_window_starts_from_its_first_segment() {
         assert_eq!(samples, WINDOW);
     }
     assert!(close(Gap::of(&data, &fit).open_loop, 25.0 / (SIGMA * SIGMA)));
-    // A window shorter than a segment is fitted as a whole: two samples are the fewest.
+    // A window shorter than a segment is fitted as a whole, with two samples at least.
     let window = Segment { track: 0, start: 0, len: SEGMENT / 2 };
     assert_eq!(beginning(&data, window), window);
     let data = Data { segment_s: 0.0, ..data };
@@ -128,8 +131,8 @@ fn the_mean_of_none_is_none() {
     assert_eq!(root_mean(&[9.0, 16.0, 0.0, 0.0]), 2.5);
 }
 
-/// Progress is less in the mean of the logarithm, no more than a twentieth more of the mean square without the worst tenth,
-/// and no more than half more of its root with it.
+/// Progress has three conditions. The mean logarithm falls. The excess, which leaves out the worst tenth, grows by at
+/// most a twentieth. The root mean square of all grows by at most a half.
 #[test]
 fn no_progress_is_refused() {
     let progress = Gap { mean_log: 0.1, ..BEFORE };
@@ -148,7 +151,7 @@ fn no_progress_is_refused() {
     }
 }
 
-/// In open loop it may be worse by half.
+/// In open loop the mean square may grow by half.
 #[test]
 fn what_drifts_off_is_refused() {
     let drifts = |factor: f64| BEFORE.refuses(&Gap { open_loop: factor * BEFORE.open_loop, ..EXPLAINED });
@@ -156,7 +159,7 @@ fn what_drifts_off_is_refused() {
     assert_eq!(drifts(1.51).as_deref(), Some("fits short segments, but drifts off in open loop"));
 }
 
-/// A quarter of the mean square gap is the least that is explained, or half of the logarithm's.
+/// An effect must explain a quarter of the mean square gap, or half of the logarithmic one.
 #[test]
 fn what_leaves_most_is_refused() {
     let little = Gap { mean_log: 0.3, excess: 0.8 * BEFORE.excess, ..BEFORE };
@@ -166,12 +169,12 @@ fn what_leaves_most_is_refused() {
         assert_eq!(BEFORE.refuses(&enough), None, "{enough:?}");
         assert!(!BEFORE.leaves(&enough, LEAST_SHARE), "{enough:?}");
     }
-    // Of all effects together half is asked.
+    // All effects together must explain half.
     assert!(BEFORE.leaves(&Gap { excess: 0.6 * BEFORE.excess, ..little }, LEAST_TOTAL));
     assert!(!BEFORE.leaves(&Gap { excess: 0.5 * BEFORE.excess, ..little }, LEAST_TOTAL));
 }
 
-/// Real is a gap above .06 in more than a twentieth of the segments; explained is one that is below, and in no more of them.
+/// A gap is real above .06 in more than a twentieth of the segments. It is explained below .06, in no more of them.
 #[test]
 fn real_and_explained_exclude_each_other() {
     let gap = |mean_log, above| Gap { mean_log, above, ..BEFORE };
@@ -188,7 +191,8 @@ fn real_and_explained_exclude_each_other() {
     }
 }
 
-/// Nothing is left where the median segment is within 15 % of the noise's mean square and the mean logarithm within .015.
+/// Something is left from 1.15 times the noise's mean square in the median segment, or above .015 in the mean
+/// logarithm.
 #[test]
 fn something_is_left_in_the_typical_segment_or_in_the_mean() {
     let gap = |median, mean_log| Gap { mean_log, median, ..BEFORE };
@@ -203,7 +207,8 @@ fn something_is_left_in_the_typical_segment_or_in_the_mean() {
     }
 }
 
-/// What is left, a few segments, is closed where it is explained and less than half of the logarithm is left.
+/// A further effect closes what is left in a few segments. The gap must then be explained, and less than half of its
+/// logarithm left.
 #[test]
 fn a_further_effect_closes_what_is_left() {
     let left = Gap { mean_log: 0.08, ..EXPLAINED };
@@ -214,7 +219,8 @@ fn a_further_effect_closes_what_is_left() {
     assert!(!BEFORE.closed_by(&Gap { mean_log: 0.07, ..EXPLAINED }));
 }
 
-/// A second body leaves less than half of what is above the noise in open loop: of 9 times the noise, 8 above it, less than 4.
+/// A second body leaves less than half of what is above the noise in open loop. Of 9 times the noise 8 are above it,
+/// and less than 4 may stay.
 #[test]
 fn a_second_body_follows_in_open_loop() {
     let after = |open_loop| BEFORE.followed_by_bodies(&Gap { open_loop, ..BEFORE });
@@ -222,7 +228,7 @@ fn a_second_body_follows_in_open_loop() {
     assert!(!after(5.0) && !after(5.01) && !after(9.0));
 }
 
-/// Where less than twice the noise is left, that is the base's own drift and says nothing of a body.
+/// A body that leaves less than twice the noise passes: that much is the base's own drift.
 #[test]
 fn a_weak_second_body_is_not_judged_in_open_loop() {
     let before = Gap { open_loop: 2.1, ..BEFORE };
@@ -230,7 +236,8 @@ fn a_weak_second_body_is_not_judged_in_open_loop() {
     assert!(after(1.99) && !after(2.0) && !after(2.1));
 }
 
-/// A quarter of a second ahead the base's own drift is a sixteenth of what it is in a second: 1.0625 times the noise, not 2.
+/// The base's own drift of a quarter of a second is a sixteenth of that of a second. The bound is 1.0625 times the
+/// noise there, not 2.
 #[test]
 fn the_bases_own_drift_grows_with_the_square_of_the_time() {
     let before = Gap { open_loop: 1.12, ahead: 0.25, ..BEFORE };
@@ -240,7 +247,7 @@ fn the_bases_own_drift_grows_with_the_square_of_the_time() {
     assert!(before.explained_by_bodies(&after(1.0624)) && !before.explained_by_bodies(&after(1.0626)));
 }
 
-/// Bodies explain a gap that is real, down to the noise, and to less than twice the noise in open loop.
+/// Bodies explain a real gap where it comes down to the noise, and below twice the noise in open loop.
 #[test]
 fn bodies_explain_what_closes_in_open_loop() {
     let after = Gap { open_loop: 1.99, ..EXPLAINED };
@@ -251,7 +258,7 @@ fn bodies_explain_what_closes_in_open_loop() {
     assert!(!EXPLAINED.explained_by_bodies(&after));
 }
 
-/// A name must lower the root mean square, whatever became of the logarithms.
+/// A name must lower the root mean square, whatever the logarithms do.
 #[test]
 fn a_gap_as_wide_as_before_has_not_shrunk() {
     let after = |rmse| Gap { rmse, mean_log: 0.1, ..BEFORE };

@@ -1,12 +1,13 @@
-//! Recordings, each row with a position of its own, on an even clock: the position at the clock's instants, the drive as the mean over the interval about each.
+//! Recordings on an even clock. Each row must have a position of its own. The position is that of the clock's instant;
+//! the drive is its mean over the interval about the instant.
 //!
-//! The mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2 on an even clock. Without it the hold looks
-//! like half a sample of delay.
+//! On an even clock the mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2. Without it
+//! the hold of the drive looks like half a sample of delay.
 
 use std::sync::OnceLock;
 
 use super::settings::Settings;
-use crate::recording::Recording;
+use crate::recording::{Recording, share_a_clock};
 
 /// A stretch of a recording without a gap, on an even clock.
 #[derive(Clone, Debug)]
@@ -32,43 +33,54 @@ pub struct Dataset {
     pub pieces: Vec<Piece>,
     /// Recordings.
     pub recordings: usize,
-    /// Whether time runs on from each recording to the next, so that effects of session time can be asked for.
+    /// Whether time runs on from each recording to the next. Only then can effects of session time be tried.
     pub shared_clock: bool,
-    /// Delays up to which a sensor's own clock explains, s (see [`Recording::unsure_s`]).
+    /// Longest delay that a sensor's own clock explains, s (see [`Recording::unsure_s`]).
     pub unsure_s: f64,
-    /// See [`Self::fundamentals`]; found when they are first asked for.
-    fundamentals: OnceLock<Vec<(f64, f64)>>,
+    /// See [`Self::fundamentals`]; found at the first call.
+    fundamentals: OnceLock<Vec<Option<(f64, f64)>>>,
 }
 
-/// Gap that ends a piece: so many seconds, and so many intervals.
+/// A gap that ends a piece is longer than both of these: seconds, and intervals of the clock.
 const GAP_S: f64 = 0.05;
 const GAP_INTERVALS: f64 = 12.0;
 
 impl Dataset {
     /// Puts recordings on even clocks.
     pub fn new(recordings: &[Recording], settings: &Settings) -> Self {
-        let starts = recordings.windows(2).all(|pair| {
-            let end = pair[0].t.last().copied().unwrap_or(0.0);
-            pair[1].t.first().is_some_and(|first| *first >= end)
-        });
+        let shared_clock = share_a_clock(recordings);
         let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
         let unsure_s = recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max);
         let fundamentals = OnceLock::new();
-        Self { pieces, recordings: recordings.len(), shared_clock: starts, unsure_s, fundamentals }
+        Self { pieces, recordings: recordings.len(), shared_clock, unsure_s, fundamentals }
     }
 }
 
 impl Dataset {
-    /// Angular frequency at which the drive of each recording repeats, rad/s, and how often it does; none where it does not.
-    pub fn fundamentals(&self) -> &[(f64, f64)] {
-        self.fundamentals.get_or_init(|| self.pieces.iter().filter_map(Piece::fundamental).collect())
+    /// Angular frequency at which the drive of each piece repeats, rad/s, and the number of its periods; `None` where it
+    /// does not repeat.
+    fn fundamentals(&self) -> &[Option<(f64, f64)>] {
+        self.fundamentals.get_or_init(|| self.pieces.iter().map(Piece::fundamental).collect())
+    }
+
+    /// Share of the samples in which an angular frequency, rad/s, cannot be told from a harmonic of the drive.
+    pub fn harmonic_of_the_drive(&self, omega: f64) -> f64 {
+        let is_harmonic = |(fundamental, cycles): (f64, f64)| {
+            let order = omega / fundamental;
+            (order - order.round()).abs() < 1.5 / cycles && order.round() >= 1.0
+        };
+        let samples = |piece: &Piece| piece.x.len() as f64;
+        let pieces = self.pieces.iter().zip(self.fundamentals());
+        let harmonic = pieces.filter(|(_, own)| own.is_some_and(is_harmonic)).map(|(piece, _)| samples(piece));
+        harmonic.sum::<f64>() / self.pieces.iter().map(samples).sum::<f64>().max(1.0)
     }
 }
 
 impl Piece {
-    /// Angular frequency at which the drive repeats, rad/s, and how often it does; `None` where it does not.
+    /// Angular frequency at which the drive repeats, rad/s, and the number of its periods; `None` where it does not
+    /// repeat.
     fn fundamental(&self) -> Option<(f64, f64)> {
-        // A few thousand samples tell a period of a tenth of them.
+        // A few thousand samples are enough to find a period of a tenth of them.
         let thin = (self.u.len() / 3000).max(1);
         let u: Vec<f64> = self.u.iter().step_by(thin).copied().collect();
         let n = u.len();
@@ -96,7 +108,7 @@ impl Piece {
         }
         let (lag, _) = best?;
         let period_s = (lag * thin) as f64 * self.h_s;
-        // The last multiple of the period within the piece tells it best.
+        // The last multiple of the period within the piece gives the period best.
         let most = n / lag - 1;
         let around = (lag * most).saturating_sub(most.min(lag / 4))..=(lag * most + most.min(lag / 4)).min(n - 2);
         let at = around.max_by(|a, b| product(*a).total_cmp(&product(*b)));
@@ -105,7 +117,7 @@ impl Piece {
     }
 }
 
-/// Correlation of the drive with itself a period later from which it counts as periodic.
+/// Least correlation of the drive with itself a period later at which it counts as periodic.
 const REPEATS: f64 = 0.9;
 
 fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Piece> {
@@ -153,7 +165,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Time, position and mean drive on an even clock; `None` where the piece is shorter than a few intervals.
+    /// Time, position and mean drive on an even clock; `None` where the piece holds fewer than eight intervals.
     fn even(&self, tick: f64, average: usize) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>)> {
         let h = tick * average as f64;
         let (first, last) = (*self.t.first()?, *self.t.last()?);
@@ -187,7 +199,7 @@ impl Rows<'_> {
     }
 }
 
-/// Integral from the first instant to each, of a quantity that is held from row to row.
+/// Integral from the first instant to each row. The quantity is held from row to row.
 fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut sum = 0.0;
     let mut sums = vec![0.0];
@@ -198,14 +210,14 @@ fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
     sums
 }
 
-/// The same up to any instant; before the first row and after the last the quantity is that row's.
+/// The same integral up to any instant. Outside of the rows the quantity is that of the first or the last row.
 fn integral_at(t: &[f64], sums: &[f64], part: impl Fn(usize, f64) -> f64, at: f64) -> f64 {
     let k = t.partition_point(|t| *t <= at).saturating_sub(1);
     sums[k] + part(k, at - t[k])
 }
 
-/// Standard deviation of the position's noise from its third differences, which a smooth motion does not reach; outliers are left
-/// out.
+/// Standard deviation of the position's noise from its third differences, which are near zero in a smooth motion.
+/// Outliers are left out.
 fn noise(pieces: &[Piece]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let mut thirds: Vec<f64> = pieces.iter().flat_map(|p| p.x.windows(4).map(third)).collect();
@@ -218,4 +230,30 @@ fn noise(pieces: &[Piece]) -> f64 {
     let square = kept.iter().map(|d| d * d).sum::<f64>() / kept.len().max(1) as f64;
     // The third difference of white noise has 20 times its variance.
     (square / 20.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 s at 500 Hz from an instant on, driven by a sine and a tenth of a second one, both by their angular frequencies, rad/s.
+    fn driven(from_s: f64, [omega, other]: [f64; 2]) -> Recording {
+        let t: Vec<f64> = (0..5000).map(|k| from_s + 2e-3 * f64::from(k)).collect();
+        let u = t.iter().map(|t| (omega * t).sin() + 0.1 * (other * t).sin()).collect();
+        let x = t.iter().map(|t| (omega * t).cos()).collect();
+        Recording { t, u, x, ..Recording::default() }
+    }
+
+    /// One recording repeats at 6 rad/s, 9.5 times: 12 and 12.5 rad/s cannot be told from its second harmonic, 15 rad/s can. The other,
+    /// of the same length, repeats at 7 rad/s: 12 rad/s is none of its harmonics, 14 rad/s is.
+    #[test]
+    fn a_frequency_may_be_a_harmonic_of_some_recordings() {
+        let recordings = [driven(0.0, [6.0, 6.0]), driven(10.0, [7.0, 7.0])];
+        let dataset = Dataset::new(&recordings, &Settings::default());
+        for (omega, share) in [(12.0, 0.5), (12.5, 0.5), (15.0, 0.0), (14.0, 0.5), (42.0, 1.0)] {
+            assert!((dataset.harmonic_of_the_drive(omega) - share).abs() < 1e-3, "{omega} rad/s");
+        }
+        let alone = Dataset::new(&recordings[..1], &Settings::default());
+        assert!((alone.harmonic_of_the_drive(12.0) - 1.0).abs() < 1e-9);
+    }
 }

@@ -1,17 +1,19 @@
-//! The direction of the friction: that of the motion where the axis slides, and against the drive where it rests.
+//! The direction of the friction in `b·ẍ + c·ẋ + f1·s = u`. Where the axis slides, s is the sign of the motion. Where
+//! the axis rests, friction balances the drive, and s is u/f1.
 
 use super::dataset::Piece;
 use super::regression::Design;
 use super::settings::Settings;
 use super::weak_form::{Field, Kernels, WeakForm, norm, over};
 
-/// Share of the 95th percentile of the speed that the noise of the velocity may make.
+/// Largest share of the 95th percentile of the speed that the noise of the velocity may make.
 const SLOW: f64 = 0.01;
-/// Rounds in which the friction at rest and the Coulomb friction follow from each other: the second changes f1 by a tenth of the first.
+/// Rounds of the friction at rest and the Coulomb friction f1, each of which follows from the other. The second round
+/// changes f1 by a tenth of what the first does.
 const STICKING: usize = 2;
 
-/// Smoothed sign of the velocity at every sample of a piece, 0 at rest: from the fewest samples, up to `most` to either side, in which
-/// the sensor's noise makes less than [`SLOW`] of the speed `v95`.
+/// Smoothed sign of the velocity at every sample of a piece, 0 at rest. The velocity is made of the fewest samples in
+/// which the sensor's noise makes less than [`SLOW`] of the speed `v95`. At most `most` to either side are used.
 pub(super) fn sliding(piece: &Piece, most: usize, v95: f64) -> Vec<f64> {
     let kernel = |half: usize| Kernels::new(half, piece.h_s);
     let noise_v = |kernel: &Kernels| piece.sigma * norm(&kernel.velocity);
@@ -22,8 +24,8 @@ pub(super) fn sliding(piece: &Piece, most: usize, v95: f64) -> Vec<f64> {
 }
 
 impl WeakForm<'_> {
-    /// Friction at rest holds against the drive, up to the Coulomb friction f1: there the direction is that of the drive, u/f1. The two
-    /// follow from each other.
+    /// Friction at rest holds against the drive, up to the Coulomb friction f1. There the direction is u/f1, within ±1.
+    /// f1 and the direction follow from each other, so that both are found in turn.
     pub(super) fn stick(&mut self, sliding: &Field, settings: &Settings) {
         let weights = vec![1.0; self.rows.len()];
         for _ in 0..STICKING {
@@ -54,8 +56,8 @@ mod tests {
     const B: f64 = 0.02;
     const F1: f64 = 0.3;
 
-    /// 20 s at 1 kHz of an axis with Coulomb friction, driven by sines of .9 V at 1.1 Hz and .3 V at 4.7 Hz: it rests for a third of
-    /// the time. The position is read every `held` rows, and is `late` rows old.
+    /// 20 s at 1 kHz of an axis with Coulomb friction. Sines of .5 V at 1.1 Hz and .3 V at 4.7 Hz drive it; it rests
+    /// for a third of the time. The position is read every `held` rows, and is `late` rows old.
     fn axis(held: usize, late: usize) -> Recording {
         let (h, steps) = (1e-3, 10);
         let (mut x, mut v) = (0.0, 0.0_f64);
@@ -87,8 +89,8 @@ mod tests {
         recording
     }
 
-    /// What the base leaves of the drive in wide windows, about a third of which is rest: it leaves 5.6 % where friction at rest is nil.
-    /// What is left then is of the 5 ms in which the velocity is smoothed.
+    /// The base leaves less than 2 % of the drive in wide windows, of which a third is rest. It would leave 5.6 % if
+    /// friction at rest were nil. What is left comes from the 5 ms over which the velocity is smoothed.
     #[test]
     fn friction_at_rest_holds_against_the_drive() {
         let settings = Settings::default();
@@ -100,7 +102,8 @@ mod tests {
         assert!((fitted.u.f1 / F1 - 1.0).abs() < 0.02 && (fitted.u.b / B - 1.0).abs() < 0.02, "{:?}", fitted.u.f1);
     }
 
-    /// A position read every 8 ms is found to be as old as it is: 0, 3 and 6 ms, to half a row. A position of every row has no age.
+    /// Positions read every 8 ms are found to be 0, 3 and 6 ms old, as they are, to half a row. A position of every row
+    /// has no age.
     #[test]
     fn the_age_of_held_readings_is_found() {
         let settings = Settings::default();

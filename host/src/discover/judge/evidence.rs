@@ -1,4 +1,4 @@
-//! What speaks for a term, and why it is not believed.
+//! The evidence for a term, and the reasons not to believe it.
 
 use super::regression::rms;
 use super::settings::Settings;
@@ -17,7 +17,7 @@ pub struct Gain {
     pub z: f64,
 }
 
-/// Why a term is no name.
+/// Why a term cannot be named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rejection {
     /// It gains too little, or not significantly, on a side.
@@ -30,9 +30,9 @@ pub enum Rejection {
     Coherence,
     /// The sides do not say the same force.
     Disagreement(f64),
-    /// Its amplitude has the wrong sign, or is not that of the whole effect.
+    /// Its amplitude has the wrong sign, or differs from recording to recording.
     Amplitude,
-    /// A fit without the motion is as good.
+    /// A mean and a direction alone predict the drive as well.
     Floor,
 }
 
@@ -46,7 +46,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// Any gain.
+    /// Any gain is enough.
     pub const OPEN: Self = Self { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
 }
 
@@ -61,7 +61,7 @@ pub struct Evidence {
     pub disagreement: f64,
     /// ρ² with the term.
     pub coherence: f64,
-    /// Why it is no name; `None` if nothing speaks against it but its rivals.
+    /// Why it cannot be named; `None` if only rivals can speak against it.
     pub rejection: Option<Rejection>,
 }
 
@@ -99,7 +99,7 @@ pub fn weigh(
     let u = gain(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u);
     let a = gain(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a);
     let difference: Vec<f64> = own_u.iter().zip(&own_a).map(|(u, a)| u - a).collect();
-    // Of a second body side A has no force of its own: its gain is to be like side U's.
+    // Side A has no force of its own for a second body. Its gain must be like side U's instead.
     let disagreement = if term.body.is_some() {
         (1.0 - u.flat.min(a.flat) / u.flat.max(a.flat).max(f64::MIN_POSITIVE)) * settings.disagreement / BODY_GAINS
     } else {
@@ -110,12 +110,13 @@ pub fn weigh(
     evidence
 }
 
-/// Force of the last term in every window in drive units, and by how much its arrival shrinks the target.
+/// By how much the `index`-th term's arrival shrinks the target, and the term's force in every window, drive units. The
+/// first is a ratio, 1 unless the term changes the drive.
 fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: bool) -> (f64, Vec<f64>) {
     let (b, a) = if of_u { (&before.u, &after.u) } else { (&before.a, &after.a) };
     let inertia = if of_u { 1.0 } else { after.a.b };
     if term.drive.is_some() || term.body.is_some() || term.replaces_direction {
-        // What the model says with the term less what it says without it.
+        // The term's force is what the model says with it, less what it says without it.
         let said = |side: &super::sides::Side, i: usize| side.target[i] - side.residual[i];
         let shrink = if of_u { rms(&a.target) / rms(&b.target) } else { 1.0 };
         let moved = (0..a.target.len()).map(|i| inertia * (said(a, i) - said(b, i)));
@@ -182,7 +183,7 @@ fn rejection(
     if fell || coherence < settings.coherence && term.holds_drive {
         return Some(Rejection::Coherence);
     }
-    // A force of the motion alone needs no inertia to be told from it.
+    // A force of the motion alone can be told without telling the inertia.
     let lone_motion = evidence.u.flat.min(evidence.u.local) >= 0.5
         && evidence.a.flat.max(evidence.a.local) >= 0.1
         && evidence.disagreement < 0.25;
@@ -213,10 +214,11 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
     !within(*u) || !within(*a) || differ(&after.u) || differ(&after.a)
 }
 
-/// Standard errors, and share of the mean, by which the amplitude of one recording's wave may differ from the others'.
+/// Largest difference of one recording's amplitude from the mean: in standard errors, and as a share of the mean. The
+/// larger of both counts.
 const DIFFERS: [f64; 2] = [4.0, 0.5];
 
-/// Whether the waves of the recordings, a sine and a cosine with their errors for each, are not of one amplitude.
+/// Whether the waves of the recordings differ in amplitude. Each has a sine and a cosine, with their standard errors.
 fn waves_differ(amplitudes: &[f64], errors: &[f64]) -> bool {
     let pairs = amplitudes.chunks_exact(2).zip(errors.chunks_exact(2));
     let waves: Vec<(f64, f64)> =
@@ -247,7 +249,8 @@ pub fn floor_ratio(form: &WeakForm<'_>, fitted: &Fitted) -> f64 {
 mod tests {
     use super::waves_differ;
 
-    /// One amplitude and any phases agree; a third wave of a third of it does not, unless its error is as large as the difference.
+    /// Waves of one amplitude agree whatever their phases. A third wave of a third of the amplitude does not, unless
+    /// its error is as large as the difference.
     #[test]
     fn waves_of_one_amplitude_may_have_any_phases() {
         assert!(!waves_differ(&[3.0, 4.0, -5.0, 0.0, 0.0, 5.1], &[0.1; 6]));

@@ -1,4 +1,4 @@
-//! The two-sided force judge: which effect is missing, from the measured forces, before anything is simulated.
+//! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
 pub mod dataset;
 pub mod direction;

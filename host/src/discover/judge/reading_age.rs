@@ -1,7 +1,8 @@
 //! The age of held readings: how much later than the position the drive is written.
 //!
-//! A sensor that is read on a clock of its own says where the axis was up to one interval ago, and a bus adds its own time. Within
-//! that clock's intervals no delay of the machine can be told from it, so that it is found first and belongs to the recordings.
+//! A sensor with a clock of its own gives a position that is up to one interval old. A bus adds its own time. No delay
+//! of the machine within these intervals can be told from that age. So the age is found first, and belongs to the
+//! recordings.
 
 use super::dataset::Dataset;
 use super::regression::rms;
@@ -14,11 +15,11 @@ use crate::recording::Recording;
 
 /// Ages that are tried before the best is refined between its neighbours.
 const GRID: usize = 16;
-/// Golden sections: the age to a thousandth of a step of the grid.
+/// Golden sections: they find the age to a thousandth of a step of the grid.
 const SECTIONS: usize = 14;
 
-/// The age at which the drive tells most of the acceleration, s; `None` where no reading is held, or where the best age is longer than
-/// the sensor's clock explains.
+/// The age at which the drive leaves least of the acceleration, s. `None` where no reading is held, or where the
+/// recordings hold too little motion. Also `None` where the best age is the longest that the sensor's clock explains.
 pub fn reading_age_s(recordings: &[Recording], settings: &Settings) -> Option<f64> {
     let dataset = Dataset::new(recordings, settings);
     let most = dataset.unsure_s;
@@ -42,7 +43,8 @@ pub fn reading_age_s(recordings: &[Recording], settings: &Settings) -> Option<f6
     Some(0.5 * (low + high))
 }
 
-/// Share of the acceleration that the base leaves where the drive comes so late.
+/// Rms of the acceleration that the base leaves, where the drive comes `age_s` late; infinite where it cannot be
+/// fitted.
 fn left(form: &WeakForm<'_>, age_s: f64, settings: &Settings) -> f64 {
     let mut term = Term::force(Name::Decoy("age of the readings"), Vec::new());
     term.drive = Some(Arrival::Delay(age_s));

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::weak_form::WeakForm;
 
-/// Share of the largest scaled eigenvalue that is added to the normal matrix: columns that say the same share their amplitude.
+/// Share of the largest diagonal element that is added to the normal matrix. Two columns that say the same then share
+/// their amplitude.
 const RIDGE: f64 = 1e-9;
 
 /// A linear model of one side: what is explained, and by what.
@@ -25,12 +26,13 @@ pub struct Fit {
     pub coefficients: Vec<f64>,
     /// Standard errors, from the scatter over blocks.
     pub standard_errors: Vec<f64>,
-    /// Residual of every row by the coefficients of the folds that it is not in, unweighted.
+    /// Held-out residual of every row, unweighted: the row's own fold is left out of the coefficients.
     pub residual: Vec<f64>,
 }
 
 impl Design<'_> {
-    /// Fits it with `weights` on the residuals; `None` where the columns say nothing.
+    /// Fits it with `weights` on the residuals. `None` where there are too few rows or blocks, where a column is zero
+    /// or of other windows, or where no finite solution exists.
     pub fn fit(&self, form: &WeakForm<'_>, weights: &[f64], folds: usize) -> Option<Fit> {
         let columns: Vec<&[f64]> = self.columns.iter().map(|column| &**column).collect();
         let (n, p) = (self.target.len(), columns.len());
@@ -74,7 +76,7 @@ impl Design<'_> {
         if residual.iter().any(|r| !r.is_finite()) {
             return None;
         }
-        // Rows of a block vouch for each other: the scores are summed over blocks.
+        // Rows of one block are not independent, so that the scores are summed over blocks.
         let mut scores = DMatrix::<f64>::zeros(form.blocks, p);
         for (i, row) in form.rows.iter().enumerate() {
             let own = weights[i] * weights[i] * (self.target[i] - predicted(&coefficients, i));

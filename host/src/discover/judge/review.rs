@@ -1,4 +1,5 @@
-//! The final model, looked at again: each of its terms beside all others. What no longer gains there is dropped, and ties are decided.
+//! The review of the final model: each of its terms is weighed beside all others. A term that no longer gains is
+//! dropped, and ties are decided.
 
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use super::search::{Bearing, Stage, Tried, best_of_each, tied};
 use super::sides::Model;
 use super::term::Name;
 
-/// The stage with the terms that gain in the final model, and in `bearings` what is tied with each of them.
+/// The stage with the terms that gain in the final model. `bearings` keeps one entry for each, with its ties.
 pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) -> Option<Stage<'a>> {
     let mut j = 0;
     while j < stage.model.terms.len() {
@@ -41,14 +42,12 @@ fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
     Stage::new(stage.form, stage.settings, model, &stage.weights)
 }
 
-/// The effects that `own` may be confused with, and those that did as well `before`, beside the others.
+/// The effects that may be confused with `own`, and those that did as well `before`. Each is tried beside the other
+/// terms.
 fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind]) -> Vec<Tried> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
-    let rival = |name: Name| match name {
-        Name::Effect(kind) => kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind)),
-        Name::Decoy(_) => false,
-    };
-    let terms = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights).terms();
-    let rivals = terms.into_par_iter().filter(|term| rival(term.name));
+    let rival = |kind| kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind));
+    let library = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights);
+    let rivals = library.of_effects(rival).into_par_iter().filter(|term| matches!(term.name, Name::Effect(_)));
     best_of_each(rivals.filter_map(|term| beside.weighed(vec![term], &Bar::OPEN)).collect(), beside.settings)
 }

@@ -21,9 +21,9 @@ pub struct Finding {
     pub errors: Errors,
     /// Indices of the parameters that are held.
     pub held: Vec<usize>,
-    /// Whether each recording has a phase, or a place of rest, of its own.
+    /// Whether each recording has its own phase, or its own place of rest.
     pub own_zeros: bool,
-    /// Effects that these recordings do not tell from it, and by how many standard deviations it is better.
+    /// Effects that these recordings do not tell from it. The number is the finding's lead, in standard deviations.
     pub tied: Vec<(Kind, f64)>,
     /// Gain of the side that gains less, nats, and its z over blocks.
     pub gain: f64,
@@ -68,10 +68,12 @@ pub struct Ruling {
     pub base: Base<f64>,
     /// Names in the order in which they were found.
     pub findings: Vec<Finding>,
-    /// Effects that hold too and are too small to be named, and their share of the energy of the gap.
+    /// Effects that hold too and are too small to be named, with their share of the energy of the gap.
     pub seen: Vec<(Kind, f64)>,
-    /// The first round of the windows that named, or of the narrowest.
+    /// The first round in the windows that named; in the narrowest, where none did.
     pub candidates: Vec<Candidacy>,
+    /// Gain of the best significant decoy of that round, nats; 0 if none is significant.
+    pub decoy_gain: f64,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
     pub residual_u: [f64; 2],
     /// The same of side A, over the rms of the acceleration.
@@ -84,11 +86,12 @@ pub struct Ruling {
     pub remainder: Remainder,
 }
 
-/// Share of the drive that may be left, at random, where nothing is missing: a random torque of 1 % of the supply, where the drive's
-/// rms is a tenth of it. And least ρ² that tells it.
+/// Share of the drive below which what is left counts as nothing. A random torque of 1 % of the supply leaves so much,
+/// where the drive's rms is a tenth of the supply.
 const NOTHING: f64 = 0.1;
+/// Least ρ² at which the forces tell the inertia, and that nothing is missing.
 const COHERENT: f64 = 0.3;
-/// Force that is left over what the sensor's noise makes of it, up to which that noise may be all.
+/// Force that is left, over what the sensor's noise makes of it, below which it may be all noise.
 const AT_THE_NOISE: f64 = 2.0;
 
 impl Ruling {
@@ -96,7 +99,7 @@ impl Ruling {
     pub fn tells_inertia(&self) -> bool {
         self.base.b > 0.0 && self.coherence >= COHERENT
     }
-    /// Whether what is left is so little, of the drive or beside the sensor's noise, that nothing is missing.
+    /// Whether nothing is missing: little of the drive is left, or little beyond the sensor's noise.
     pub fn tells_nothing_is_missing(&self) -> bool {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
         self.coherence >= COHERENT && little
@@ -114,17 +117,18 @@ impl Ruling {
     }
 }
 
-/// Widths that are tried, as multiples of the narrowest that the noise allows; a ripple is sought in all but the last.
+/// Widths that are tried, as multiples of the narrowest that the noise allows. A ripple is sought in all but the last.
 const WIDTHS: [f64; 4] = [1.0, 1.3, 2.0, WIDE];
 /// See [`WIDTHS`]: the windows in which the sensor's noise does not count.
 const WIDE: f64 = 4.0;
 
-/// Rules over `recordings`, whose position unit has so many radians; `None` where they hold no motion.
+/// Rules over `recordings`, whose position unit has so many radians; `None` where they hold too little motion.
 pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {
     rule_from(recordings, radians, 0.0, settings)
 }
 
-/// The same in windows of no less than this half-width, s: those of a ruling on the same motion, counted from other zeros.
+/// The same in windows of at least this half-width, s. It is that of an earlier ruling on the same motion, counted from
+/// other zeros.
 pub fn rule_from(
     recordings: &[Recording],
     radians: Option<f64>,
@@ -161,6 +165,7 @@ pub fn rule_from(
             .rounds
             .first()
             .map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
+        decoy_gain: own.rounds.first().map_or(0.0, |round| decoy_gain(round, settings)),
         residual_u: [own.residual[0][0], own.residual[1][0]],
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
@@ -178,7 +183,7 @@ fn widths(narrowest: f64, settings: &Settings) -> Vec<f64> {
     widths
 }
 
-/// The narrowest windows that the sensor's noise allows.
+/// The narrowest windows in which the sensor's noise makes a small enough share of the acceleration; else the widest.
 pub(super) fn narrowest(dataset: &Dataset, settings: &Settings) -> Option<f64> {
     let mut last = None;
     for width in settings.half_widths_s {
@@ -198,10 +203,19 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
     Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
 }
 
-/// Share of the energy of the gap that each name after the first must carry: what carries less is seen, and is not what is missing.
+/// Gain of the best significant decoy of a round, nats.
+fn decoy_gain(round: &Round, settings: &Settings) -> f64 {
+    let decoys = round.tried.iter().filter(|t| matches!(t.terms[0].name, Name::Decoy(_)));
+    let significant = decoys.filter(|t| t.evidence[0].z() >= settings.least_z(t.terms[0].chosen_of));
+    let possible = significant.filter(|t| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base)));
+    possible.map(|t| t.gain).fold(0.0, f64::max)
+}
+
+/// Least share of the energy of the gap that each name after the first must carry. An effect below it is seen, and is
+/// not what is missing.
 const MATERIAL: f64 = 0.1;
 
-/// What is named, and what is seen beside it: which, and its share of the energy of the gap.
+/// The named effects, and the effects that are seen beside them with their shares of the energy of the gap.
 fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)>) {
     let (mut findings, mut seen) = (Vec::new(), Vec::new());
     // Energy that is left of the base's, by the gains of side U.
@@ -214,7 +228,8 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
             seen.push((kind, share));
             continue;
         }
-        // A delay within the interval at which the position is read is that clock's, and is no name.
+        // A delay shorter than the interval at which the position is read belongs to the sensor's clock, and is no
+        // name.
         if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
             continue;
         }
@@ -249,7 +264,7 @@ fn remainder(
     remainder_of(&form, &own, predictable)
 }
 
-/// Largest z, on the side that tells less, of the terms of a round that were tried alone and gain over all rows.
+/// Largest z, on the side that tells less, in a round. Only terms that were tried alone and gain over all rows count.
 fn significance(round: &Round) -> f64 {
     let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Amplitude));
     let alone = round.tried.iter().filter(|t| t.terms.len() == 1).filter(possible);

@@ -1,5 +1,5 @@
-//! The judge's search: effects are added as long as one, or two that only show together, hold on both sides and are the best of
-//! their rivals; what no longer holds beside a later one is dropped.
+//! The judge's search. A round adds the effect that holds on both sides and is the best of its rivals; or two, where
+//! they only show together. At the end each effect that no longer holds beside the later ones is dropped.
 
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// Why it is no name; `None` if every term holds.
+    /// Why it cannot be named; `None` if every term holds.
     pub fn rejection(&self) -> Option<Rejection> {
         self.evidence.iter().find_map(|e| e.rejection)
     }
@@ -35,7 +35,8 @@ impl Tried {
     fn size(&self) -> usize {
         self.terms.iter().map(|t| t.size).sum()
     }
-    /// How much better it is than another, in standard deviations over blocks, on the side that tells less (Vuong's test).
+    /// How much better it is than another, in standard deviations over blocks (Vuong's test). The side that tells less
+    /// counts.
     pub fn better_than(&self, other: &Self) -> f64 {
         let of_side = |side: usize| {
             let gains: Vec<f64> =
@@ -53,7 +54,7 @@ impl Tried {
     }
 }
 
-/// One round: what was tried, the best first, and what it came to.
+/// One round: what was tried, and its outcome.
 #[derive(Clone, Debug)]
 pub struct Round {
     /// The best of every name, in order of the smaller gain.
@@ -62,12 +63,12 @@ pub struct Round {
     pub outcome: Outcome,
 }
 
-/// What a round comes to.
+/// The outcome of a round.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// Names, and those that are tied with them.
+    /// Names, and the names that are tied with them.
     Named(Vec<Name>, Vec<Name>),
-    /// Something gains that is no name, or not consistent: which.
+    /// This gains, and is a decoy or inconsistent.
     Unknown(Name),
     /// Nothing gains.
     Nothing,
@@ -78,7 +79,7 @@ pub enum Outcome {
 pub struct Bearing {
     /// Beside the terms that were found before it.
     pub evidence: Evidence,
-    /// Effects that do as well in its place, in the final model, and by how many standard deviations it is better.
+    /// Effects that do as well in its place, in the final model. The number is the term's lead, in standard deviations.
     pub tied: Vec<(Kind, f64)>,
 }
 
@@ -108,7 +109,7 @@ pub(super) struct Stage<'a> {
     pub weights: Weights,
 }
 
-/// Judges.
+/// Judges in windows of one width; `None` where a model cannot be fitted.
 pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
     let mut stage = Stage::new(form, settings, Model::default(), &Weights::equal(form))?;
     let (mut rounds, mut bearings) = (Vec::new(), Vec::new());
@@ -155,7 +156,7 @@ impl<'a> Stage<'a> {
         model.fit(self.form, &self.weights, self.settings)
     }
 
-    /// Gains of new terms beside the model, and what speaks for each beside the others.
+    /// Gains of new terms beside the model, and the evidence for each beside the others.
     pub(super) fn weighed(&self, terms: Vec<Term>, bar: &Bar) -> Option<Tried> {
         let model = terms.iter().fold(self.model.clone(), |model, term| model.with(term));
         let after = self.fit(&model)?;
@@ -213,7 +214,8 @@ impl<'a> Stage<'a> {
         (best_of_each(all, self.settings), bar)
     }
 
-    /// What a name must gain here: more than decoys do, which gain by what this machine leaves unexplained.
+    /// The gains that a name needs here. They rise with those of the decoys, which gain by what this machine leaves
+    /// unexplained.
     fn bar(&self, all: &[Tried]) -> Bar {
         let [rough, quiet] = self.settings.gain;
         let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base));
@@ -225,7 +227,8 @@ impl<'a> Stage<'a> {
         Bar { flat, local: quiet + share * (rough - quiet) }
     }
 
-    /// Pairs whose first is what gains most without holding alone.
+    /// The best pair of every two names. The first of a pair is one of the effects that gain most, whether or not it
+    /// holds alone.
     fn pairs(&self, singles: &[Tried], bar: &Bar) -> Vec<Tried> {
         let mut first: Vec<&Tried> = singles
             .iter()
@@ -264,24 +267,26 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Gain on a side from which a term is worth a partner, and terms that are given one.
+/// Gain on a side above which a term is tried with a partner, nats.
 const PAIR_GAIN: f64 = 0.05;
+/// Most terms that are tried with a partner.
 const PAIR_FIRSTS: usize = 4;
-/// Gain from which what is no name predicts a part of what is left.
+/// Gain on side U above which a term predicts a part of what is left, nats.
 const PREDICTS: f64 = 0.05;
 
 fn score(tried: &Tried) -> f64 {
     tried.evidence[0].u.flat.max(0.0) + tried.evidence[0].a.flat.max(0.0)
 }
 
-/// Whether something that does not hold alone gains more than all that do.
+/// Whether an effect or a decoy that does not hold gains more than every one that does.
 fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
     let holds = tried.iter().filter(|t| t.rejection().is_none()).map(|t| t.gain).fold(0.0, f64::max);
     let possible = tried.iter().filter(|t| !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base)));
     possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
 }
 
-/// The best of every name. One zero for all recordings is preferred to one for each, unless that does better with the z of a name.
+/// The best of every name. One zero for all recordings is preferred to one for each, unless the latter does better with
+/// the z of a name.
 pub(super) fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
     all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
     let mut best: Vec<Tried> = Vec::new();
@@ -299,7 +304,7 @@ pub(super) fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Trie
     best
 }
 
-/// Consistent ones before the others; within those, the smaller gain.
+/// Order of what was tried: consistent ones first, then by the smaller gain.
 fn rank(tried: &Tried) -> f64 {
     if tried.gain.is_finite() {
         tried.gain + if tried.rejection().is_none() { 10.0 } else { 0.0 }
@@ -308,7 +313,7 @@ fn rank(tried: &Tried) -> f64 {
     }
 }
 
-/// What a round comes to, where a model leaves the share `left` of the drive.
+/// The outcome of a round beside a model that leaves the share `left` of the drive.
 fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
     let names: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
@@ -324,7 +329,7 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let Some(best) = names.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
         return strongest(tried).map_or(Outcome::Nothing, Outcome::Unknown);
     };
-    // Fewer parameters where that costs next to nothing.
+    // A smaller term is preferred where it costs at most 3 % of the gain.
     let simple = names.iter().filter(|t| t.gain > 0.97 * best.gain).min_by_key(|t| t.size()).unwrap_or(best);
     for other in tried.iter().filter(|t| t.terms.len() == 1) {
         let factor = match other.terms[0].name {
@@ -332,7 +337,7 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
             Name::Effect(_) if other.rejection().is_some() => settings.rival,
             Name::Effect(_) => continue,
         };
-        // What is inconsistent alone and part of the pair that is named speaks for the pair.
+        // A term that is inconsistent alone speaks for the pair in which it is named.
         let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
         let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
         if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
@@ -348,8 +353,8 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     Outcome::Named(simple.names(), names)
 }
 
-/// The rivals of `own` that do as well on both sides, also where they miss a bar by little. What has more parameters is one where the
-/// two resemble each other.
+/// The rivals of `own` that do as well on both sides. They may miss a bar. One with more parameters counts only where
+/// the two effects resemble each other.
 pub(super) fn tied<'a>(own: &'a Tried, tried: &'a [Tried], settings: &'a Settings) -> impl Iterator<Item = &'a Tried> {
     let resembles = |t: &Tried| {
         let mut pairs = own.names().into_iter().zip(t.names());

@@ -1,19 +1,19 @@
 //! Every constant of the judge, with its unit and its source.
 
-/// What the judge asks of a name. The defaults are those that docs/discovery.md derives and docs/machines.md was made with.
+/// The judge's thresholds. docs/discovery.md derives the defaults, and docs/machines.md was made with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Half-widths of the windows, s: from the fastest tick that resolves an electrical lag to the slowest bus.
+    /// Half-widths of the windows, s. The narrowest resolves an electrical lag; the widest suits the slowest bus.
     pub half_widths_s: [f64; 14],
-    /// Fewest samples from the middle of a window to its edge: the kernels are exact on a cubic, which takes four.
+    /// Fewest samples from the middle of a window to its edge. The kernels are exact on a cubic, which takes four.
     pub least_half_samples: usize,
     /// Largest share of the acceleration's rms that the sensor's noise may make.
     pub noise_share: f64,
-    /// Shortest sample interval, s: faster clocks are averaged down to it.
+    /// Shortest sample interval, s. Samples of a faster clock are averaged.
     pub least_interval_s: f64,
-    /// Rows slower than this share of the 95th percentile of the speed have no vote.
+    /// Least speed of a window, as a share of the 95th percentile of the speed. Slower windows are left out.
     pub slow_share: f64,
-    /// Most windows: more are thinned, and overlap less.
+    /// Most windows. Where there are more, they are thinned and overlap less.
     pub most_rows: usize,
     /// Folds of the cross-validation.
     pub folds: usize,
@@ -23,11 +23,11 @@ pub struct Settings {
     pub block_half_widths: f64,
     /// Most blocks of all recordings together.
     pub most_blocks: usize,
-    /// Least gain ½·ln(RSS₀/RSS₁) where the effect acts on a rough machine and on a quiet one, nats.
+    /// Least gain ½·ln(RSS₀/RSS₁) where the effect acts, nats: on a rough machine, and on a quiet one.
     pub local_gain: [f64; 2],
-    /// Least gain over all rows, nats.
+    /// Least gain over all rows, nats: on a rough machine, and on a quiet one.
     pub gain: [f64; 2],
-    /// Times that a name must gain what the best decoy gains, between the two.
+    /// Multiple of the best decoy's gain that a name must reach, between the two.
     pub over_decoys: f64,
     /// Least z over blocks.
     pub z: f64,
@@ -35,24 +35,24 @@ pub struct Settings {
     pub coherence: f64,
     /// Largest disagreement of the two sides' forces, ‖F_U − F_A‖/‖F_U‖.
     pub disagreement: f64,
-    /// A rival that gains this share of the named one, and is worse by fewer standard deviations than this, is tied with it.
+    /// Least share of the named effect's gain at which a rival may be tied with it.
     pub tie: f64,
-    /// See `tie`.
+    /// Standard deviations below which the named effect's lead leaves a rival tied.
     pub tie_z: f64,
-    /// An inconsistent rival that gains the inverse of this more makes the verdict *unknown*.
+    /// An inconsistent rival makes the verdict *unknown* where this share of its gain is more than the named effect's.
     pub rival: f64,
-    /// The same of a decoy.
+    /// The same share for a decoy.
     pub decoy: f64,
-    /// Share of the drive, predicted without a name, from which something is missing. A drive is known to about so much: a supply that
-    /// is off by 2 % predicts as much.
+    /// Share of the drive, predicted without a name, from which something is missing. A drive is known to about 2 %: a
+    /// supply that is off by so much predicts as much.
     pub predictable: f64,
     /// Most effects named.
     pub most_names: usize,
 }
 
 impl Settings {
-    /// Least z over blocks of a term that was chosen of so many. The largest of n normal numbers is about √(2·ln n); adding it in
-    /// squares keeps the chance of a false name what it is without the choice.
+    /// Least z over blocks of a term that was chosen of so many. The largest of n normal numbers is about √(2·ln n). It
+    /// is added in squares, so that the chance of a false name is that of a term without choice.
     pub fn least_z(&self, chosen_of: f64) -> f64 {
         (self.z * self.z + 2.0 * chosen_of.max(1.0).ln()).sqrt()
     }
@@ -93,7 +93,8 @@ impl Default for Settings {
 mod tests {
     use super::Settings;
 
-    /// Of a thousand lines the best needs 5.46: n·exp(−z²/2) is then exp(−4²/2), the chance of one that was not chosen.
+    /// The best of a thousand lines needs a z of 5.46. There n·exp(−z²/2) is exp(−4²/2), the chance of a term that was
+    /// not chosen.
     #[test]
     fn the_best_of_many_needs_more() {
         let settings = Settings::default();

@@ -1,5 +1,6 @@
-//! The two regressions: the drive on the motion (U), which noise in the acceleration biases, and the acceleration on the drive (A),
-//! which noise in the drive biases. A physical effect improves both, and both say the same force.
+//! The two regressions. Side U explains the drive by the motion, and noise in the acceleration biases it. Side A
+//! explains the acceleration by the drive, and noise in the drive biases it. A physical effect improves both, with one
+//! force.
 
 use std::borrow::Cow;
 
@@ -22,7 +23,7 @@ pub struct Side {
     pub b: f64,
     /// Viscous coefficient c.
     pub c: f64,
-    /// Coulomb friction f1; the first amplitude of the term that takes its place.
+    /// Coulomb friction f1, or the first amplitude of the term that replaces it, drive units.
     pub f1: f64,
     /// Standard errors of c and f1.
     pub base_errors: [f64; 2],
@@ -43,12 +44,12 @@ pub struct Side {
 pub struct Fitted {
     /// The drive from the motion.
     pub u: Side,
-    /// The motion from the drive.
+    /// The acceleration from the drive.
     pub a: Side,
 }
 
 impl Fitted {
-    /// ρ²: how much of the acceleration the drive determines.
+    /// ρ² = b_U/b_A: the share of the acceleration that the drive determines.
     pub fn coherence(&self) -> f64 {
         self.u.b / self.a.b
     }
@@ -69,7 +70,7 @@ impl Weights {
         Self { u: vec![1.0; form.rows.len()], a: vec![1.0; form.rows.len()] }
     }
 
-    /// The inverse rms residual in classes of the speed, a factor of two wide: jitter and ripple grow with speed.
+    /// The inverse rms residual in classes of the speed, each a factor of two wide. Jitter and ripple grow with speed.
     pub fn of(form: &WeakForm<'_>, fitted: &Fitted) -> Self {
         let of_side = |residual: &[f64]| {
             let class = |v: f64| (v.abs() / form.v95).max(1e-6).log2().floor() as i32;
@@ -82,7 +83,7 @@ impl Weights {
             }
             let each = form.row_v.iter().map(|v| {
                 let (square, count) = sums[&class(*v)];
-                // A class of few windows is drawn to the rms of all.
+                // The rms of a class with few windows is drawn to that of all.
                 1.0 / ((square + 20.0 * overall * overall * 1e-2) / (count + 0.2)).sqrt().max(1e-3 * overall)
             });
             each.collect()
@@ -116,7 +117,7 @@ impl Model {
         drive
     }
 
-    /// Fits both sides; `None` where one of them cannot be.
+    /// Fits both sides; `None` where one of them has no fit.
     pub fn fit(&self, form: &WeakForm<'_>, weights: &Weights, settings: &Settings) -> Option<Fitted> {
         let drive = self.terms.iter().any(|term| term.drive.is_some()).then(|| self.arrived(form));
         let row_u = drive.as_ref().map_or(Cow::Borrowed(&form.row_u[..]), |drive| Cow::Owned(form.means(drive)));
@@ -125,7 +126,8 @@ impl Model {
         Some(Fitted { u, a })
     }
 
-    /// Fits it in windows of another width, rows weighted alike; second bodies and ripples stay as they are.
+    /// Fits it in windows of another width, with equal weights. The parameters of second bodies and ripples stay as
+    /// they are.
     pub fn refitted(&self, form: &WeakForm<'_>, settings: &Settings) -> Option<Fitted> {
         let model = Self { terms: self.terms.iter().map(Term::afresh).collect() };
         model.fit(form, &Weights::equal(form), settings)
@@ -176,7 +178,7 @@ impl Model {
         Some(self.side(b, -b, &design, fit, count))
     }
 
-    /// Coefficients as forces: `factor` makes drive units of them, the sign of side U.
+    /// Coefficients as forces. `factor` turns them into drive units with the sign of side U.
     fn side(&self, b: f64, factor: f64, design: &Design<'_>, fit: Fit, count: impl Fn(&Term) -> usize) -> Side {
         let known = if self.replaced() { 2 } else { 3 };
         let (mut amplitudes, mut errors, mut forces) = (Vec::new(), Vec::new(), Vec::new());
@@ -229,7 +231,7 @@ impl Model {
     }
 }
 
-/// A column in every window; on side A of a model with a second body, what is left of it there.
+/// A column in every window. On side A of a model with a second body, it is what that body lets through.
 pub fn rows<'a>(form: &WeakForm<'_>, column: &'a Column, body: Option<[f64; 3]>) -> Cow<'a, [f64]> {
     match (column, body) {
         (Column::Force(own), None) => own.windows.get_or_init(|| form.means(&own.field))[..].into(),
@@ -239,7 +241,8 @@ pub fn rows<'a>(form: &WeakForm<'_>, column: &'a Column, body: Option<[f64; 3]>)
     }
 }
 
-/// A force on the motor beside a second body: (s² + 2ζωs + ω²)/(s² + (1 + r)(2ζωs + ω²)), by the bilinear transform.
+/// A force on the motor beside a second body. The filter is (s² + 2ζωs + ω²)/(s² + (1 + r)(2ζωs + ω²)), by the bilinear
+/// transform.
 fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -> Field {
     let each = field.iter().zip(&form.dataset.pieces).map(|(g, piece)| {
         let k = 2.0 / piece.h_s;
@@ -286,7 +289,7 @@ pub fn arrive(u: &[f64], (v, direction): (&[f64], &[f64]), h_s: f64, arrival: Ar
             u.iter().zip(v).map(|(u, v)| u - d * ((u - emf * v) / edge).clamp(-1.0, 1.0)).collect()
         }
         Arrival::Lag(lag_s) => {
-            // The mean over an interval, held or not, passes a lag as a line from sample to sample.
+            // A mean over an interval, held or not, passes a lag as a line from sample to sample.
             let decay = (-h_s / lag_s).exp();
             let ramp = 1.0 - lag_s / h_s * (1.0 - decay);
             let mut state = u.first().copied().unwrap_or(0.0);

@@ -7,11 +7,12 @@ use super::sides::Side;
 use super::term::{Name, Term};
 use super::weak_form::WeakForm;
 
-/// Distance of a wave number from a whole one within which it is that, 1/rad: teeth are counted.
+/// Largest distance of a wave number from the whole one that it is taken for, 1/rad. The teeth of a rotor are counted.
 const WHOLE: f64 = 0.02;
 
-/// The effect, the standard errors of its parameters (NaN where the force fit gives none), and the indices of those that are held:
-/// the spectrum tells a wave number better than any fit that starts from it. `None` for a decoy.
+/// The effect, the standard errors of its parameters, and the indices of those that are held. An error is NaN where the
+/// force fit gives none. Wave numbers are held: the spectrum tells them better than any fit that starts from them.
+/// `None` for a decoy, or where a parameter is not finite.
 pub fn effect(
     form: &WeakForm<'_>,
     side: &Side,
@@ -41,7 +42,7 @@ pub fn effect(
             let exponent = term.parameters.iter().find(|p| p.0 == 2).map_or(2.0, |p| p.1);
             vec![amplitude(0), parameter(1), exponent]
         }
-        // The line through the recordings, as the beginning of an exponential that ends soon after.
+        // The straight line through the recordings is the beginning of an exponential that ends soon after them.
         Kind::FrictionDrift => vec![-1.5 * amplitude(0), 0.7 * span_s],
         Kind::GainDrift => vec![amplitude(0) / span_s],
         Kind::InertiaStep => vec![amplitude(0) / side.b, parameter(1)],
@@ -79,14 +80,14 @@ pub fn effect(
 /// Standard errors of an effect's parameters.
 pub type Errors = [f64; MAX_PARAMETERS];
 
-/// Those that the force fit gives: of an amplitude, and of the phase that goes with it.
+/// Standard errors that the force fit gives: of an amplitude, and of its phase; NaN for the others.
 fn errors(side: &Side, effect: &Effect<f64>, index: usize) -> Errors {
     let mut errors = [f64::NAN; MAX_PARAMETERS];
     let own = &side.errors[index];
     let (Some(first), Some(amplitude)) = (own.first(), side.amplitudes[index].first()) else { return errors };
     let square = own.iter().take(2).map(|e| e * e).sum::<f64>() / own.len().clamp(1, 2) as f64;
     let size = side.amplitudes[index].iter().take(2).map(|a| a * a).sum::<f64>().sqrt();
-    // Relative to the amplitude, whatever that is in the parameter's own unit.
+    // Relative to the amplitude, because the parameter may have another unit.
     let (relative, phase) = match effect.kind {
         Kind::GravityLoad | Kind::EncoderEccentricity => (square.sqrt() / size, Some(1)),
         Kind::Cogging | Kind::TimePeriodic | Kind::PositionFriction => (square.sqrt() / size, Some(2)),

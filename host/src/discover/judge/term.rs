@@ -11,7 +11,7 @@ use super::weak_form::Field;
 pub enum Name {
     /// An effect of the catalogue.
     Effect(Kind),
-    /// Something else, that no name is given to.
+    /// A decoy: something else, which gets no name.
     Decoy(&'static str),
 }
 
@@ -25,16 +25,16 @@ impl Name {
     }
 }
 
-/// A quantity at every sample, and what it comes to in the windows of one form.
+/// A quantity at every sample, and its values in the windows of one form.
 #[derive(Debug)]
 pub struct Sampled {
     /// At every sample.
     pub field: Field,
-    /// In every window; made when it is first asked for.
+    /// In every window; made at the first call.
     pub windows: OnceLock<Vec<f64>>,
 }
 
-/// A force in every window, or at every sample where it must be filtered yet.
+/// A column: at every sample where it must still be filtered, else in every window.
 #[derive(Clone, Debug)]
 pub enum Column {
     /// A force at every sample.
@@ -64,7 +64,7 @@ impl Column {
     }
 }
 
-/// What the amplitudes of a term may be.
+/// Bounds on the amplitudes of a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// Any.
@@ -73,7 +73,7 @@ pub enum Sign {
     Positive,
 }
 
-/// What the columns of a term are.
+/// The kind of columns of a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Anything.
@@ -82,7 +82,7 @@ pub enum Shape {
     Wave,
 }
 
-/// What an effect adds.
+/// A term: the columns that an effect or a decoy adds.
 #[derive(Clone, Debug)]
 pub struct Term {
     /// What it stands for.
@@ -95,7 +95,7 @@ pub struct Term {
     pub a: Vec<Column>,
     /// Whether the first column takes the place of the Coulomb friction's direction.
     pub replaces_direction: bool,
-    /// Whether each recording has columns of its own, as its encoder starts anywhere.
+    /// Whether each recording has columns of its own, because its encoder starts anywhere.
     pub own_zeros: bool,
     /// What the columns are.
     pub shape: Shape,
@@ -103,13 +103,13 @@ pub struct Term {
     pub sign: Sign,
     /// A second body: its angular frequency (rad/s) and damping ratio. Side A sends every force through it.
     pub body: Option<[f64; 2]>,
-    /// The drive as it arrives, s late or with a lag of a time constant, s; it replaces the drive on both sides.
+    /// How the drive arrives; it replaces the drive on both sides. `None` where the term does not change it.
     pub drive: Option<Arrival>,
-    /// Whether the columns hold the drive, or its prediction.
+    /// Whether the columns hold the drive, or a prediction of it.
     pub holds_drive: bool,
-    /// Amplitudes that count when parsimony is asked for.
+    /// Parameters and amplitudes, by which a smaller term is preferred.
     pub size: usize,
-    /// Terms, each independent of the others, of which this one was chosen because it explains most; 1 where nothing was chosen.
+    /// Independent terms of which this one was chosen, because it explains most; 1 where nothing was chosen.
     pub chosen_of: f64,
 }
 
@@ -120,13 +120,14 @@ pub enum Arrival {
     Delay(f64),
     /// Through a first-order lag of so many seconds.
     Lag(f64),
-    /// No more of it than this, drive units.
+    /// Clipped to at most this magnitude, drive units.
     Limit(f64),
-    /// Less this, drive units, and nothing below it.
+    /// Less this magnitude, drive units; 0 where the drive is smaller.
     DeadZone(f64),
-    /// Less the friction that this share of its magnitude makes against the motion.
+    /// Less this share of its magnitude, as friction against the motion.
     Load(f64),
-    /// Less the share of this that the current i = u − Ke·v, clipped at an edge, is of the edge; drive units: d, edge, Ke.
+    /// Less d·clip((u − Ke·v)/edge) with the clip at ±1; u − Ke·v stands for the current. The values are d, edge and
+    /// Ke, in drive units and drive units per velocity.
     DeadTime([f64; 3]),
 }
 

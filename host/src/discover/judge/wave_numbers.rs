@@ -1,5 +1,6 @@
-//! Wave numbers at which the unexplained force repeats over position, and angular frequencies at which it repeats over time: a
-//! Lomb–Scargle periodogram of the windows' residual, each window with what is left of the ripple in it.
+//! Wave numbers at which the unexplained force repeats over position, and angular frequencies at which it repeats over
+//! time. They come from a Lomb–Scargle periodogram of the windows' residual. A window counts by how much of the ripple
+//! it passes.
 
 use std::f64::consts::TAU;
 
@@ -10,13 +11,13 @@ use super::weak_form::WeakForm;
 /// Most windows looked at, and most lines of the spectrum.
 const MOST_WINDOWS: usize = 4000;
 const MOST_LINES: usize = 12_000;
-/// Most lines to either side of one that is sought among all recordings.
+/// Most lines that are tried to either side of one, where all recordings share a phase.
 const MOST_STEPS: i64 = 200;
 /// Lines in the resolution of the longest stretch.
 const OVERSAMPLING: f64 = 4.0;
-/// Of so many windows one must be slow enough to show a ripple.
+/// One window in so many must be slow enough to show a ripple.
 const SLOWEST: usize = 40;
-/// A ripple is silent where it turns by more than this between two samples, rad.
+/// Turn of a ripple between two samples above which it is not seen, rad.
 const FASTEST_TURN: f64 = 1.5;
 
 /// Position or time of a window, its rate, and its residual.
@@ -43,7 +44,7 @@ pub enum Over {
 pub struct Peaks {
     /// Wave numbers or angular frequencies, the strongest first.
     pub lines: Vec<f64>,
-    /// Lines of which they are the strongest, each further from the next than the recordings resolve.
+    /// Number of lines that the recordings can resolve, from which these are the strongest.
     pub of_lines: f64,
 }
 
@@ -59,10 +60,11 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
     rates.sort_by(f64::total_cmp);
     let mut slow: Vec<f64> = points.iter().map(|p| p.rate.abs() * form.half_width_s).collect();
     slow.sort_by(f64::total_cmp);
-    // Beyond this the ripple passes between two samples, or within a window, in all but the slowest of the windows.
+    // The highest line. Above it the ripple passes between two samples, or within a window, in all but the slowest
+    // windows.
     let fastest =
         (FASTEST_TURN / rates[rates.len() / SLOWEST].max(1e-12)).min(6.0 / slow[slow.len() / SLOWEST].max(1e-12));
-    // What is not seen twice is no ripple.
+    // A ripple that is not seen twice is none.
     let first = 2 * OVERSAMPLING as usize;
     let lines = ((fastest / spacing) as usize).clamp(first + 8, MOST_LINES);
     let mut power = spectrum(&points, spacing, lines, form.half_width_s);
@@ -80,7 +82,7 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
     Peaks { lines: found, of_lines: (lines - first) as f64 / OVERSAMPLING }
 }
 
-/// The line near `k` that explains most with one phase for all recordings, whose positions share a zero.
+/// The line near `k` that explains most with one phase for all recordings. Their positions must share a zero.
 pub fn coherent(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], k: f64) -> f64 {
     let mut points = points(form, residual, weights, Over::Position);
     let own = spans(&points).into_iter().fold(0.0, f64::max);
@@ -102,7 +104,7 @@ pub fn coherent(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], k: f64) 
 
 fn points(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over) -> Vec<Point> {
     let step = form.rows.len().div_ceil(MOST_WINDOWS).max(1);
-    // Weights of one on the average, so that sums of squares count windows.
+    // The mean square of the weights is 1, so that sums of squares count windows.
     let scale = 1.0 / (weights.iter().map(|w| w * w).sum::<f64>() / weights.len().max(1) as f64).sqrt();
     let each = form.rows.iter().zip(residual.iter().zip(weights)).zip(&form.row_v).step_by(step).map(
         |((row, (residual, weight)), v)| {
@@ -128,7 +130,8 @@ fn spans(points: &[Point]) -> Vec<f64> {
     bounds.into_iter().map(|(low, high)| high - low).collect()
 }
 
-/// What is left of a ripple of wave number `k` in a window of ±T in which it moves at a rate: the transform of (1 − s²)³.
+/// Share of a ripple that a window passes: the transform of (1 − s²)³. `turn` is the ripple's phase from the middle of
+/// the window to its edge, rad.
 pub fn attenuation(turn: f64) -> f64 {
     let a = turn.abs();
     if a < 0.3 {
@@ -139,12 +142,13 @@ pub fn attenuation(turn: f64) -> f64 {
     105.0 * ((15.0 - 6.0 * a * a) * sin - (15.0 * a - a * a * a) * cos) / a.powi(7)
 }
 
-/// How silent a ripple is that turns by `turn` radians between two samples: 1 where it is sampled well.
+/// Share of a ripple that its samples show, from 0 to 1. The ripple turns by `turn` radians from one sample to the
+/// next.
 pub fn audible(turn: f64) -> f64 {
     1.0 / (1.0 + (1.3 * turn.abs()).powi(8))
 }
 
-/// [`explained`] at every multiple of `spacing`: the waves are turned on from line to line.
+/// [`explained`] at every multiple of `spacing`. The waves are turned on from line to line, which saves their sines.
 fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> Vec<f64> {
     let groups = points.iter().map(|p| p.group).max().map_or(0, |g| g + 1);
     let table: Vec<f64> = (0..=TABLE).map(|i| attenuation(TABLE_TURN * i as f64 / TABLE as f64)).collect();
@@ -182,7 +186,7 @@ fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> 
     power.collect()
 }
 
-/// Lines whose waves are turned on in one go, entries of the attenuation's table, and the turn where that ends, rad.
+/// Lines whose waves are turned on in one go; entries of the attenuation's table; and the turn at its end, rad.
 const CHUNK: usize = 256;
 const TABLE: usize = 4096;
 const TABLE_TURN: f64 = 30.0;
@@ -196,7 +200,7 @@ fn add(sum: &mut [f64; 5], left: f64, sin: f64, cos: f64, residual: f64) {
     sum[4] += left * left * sin * cos;
 }
 
-/// Sum of squares that sine and cosine explain.
+/// Sum of squares that a sine and a cosine explain; 0 where the windows do not tell them apart.
 fn explained_by([s, c, ss, cc, sc]: &[f64; 5]) -> f64 {
     let determinant = ss * cc - sc * sc;
     if determinant > 1e-3 * (ss + cc).powi(2) && ss + cc > 4.0 {
@@ -206,7 +210,7 @@ fn explained_by([s, c, ss, cc, sc]: &[f64; 5]) -> f64 {
     }
 }
 
-/// Sum of squares that sine and cosine of wave number `k` explain, each recording with its own phase.
+/// Sum of squares that sine and cosine of wave number `k` explain, with a phase for each recording.
 fn explained(points: &[Point], k: f64, half_width_s: f64) -> f64 {
     let groups = points.iter().map(|p| p.group).max().map_or(0, |g| g + 1);
     let mut sums = vec![[0.0; 5]; groups];
@@ -237,7 +241,7 @@ fn refined(points: &[Point], k: f64, spacing: f64, half_width_s: f64) -> f64 {
 mod tests {
     use super::attenuation;
 
-    /// Against the integral of (1 − s²)³·cos(a·s) by Simpson's rule: both have the same digits where neither cancels.
+    /// Simpson's rule on the integral of (1 − s²)³·cos(a·s) gives the same digits, at turns where neither cancels.
     #[test]
     fn the_attenuation_is_the_test_functions_transform() {
         for a in [0.1, 0.31, 1.0, 3.0, 7.0] {

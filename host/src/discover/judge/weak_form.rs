@@ -1,7 +1,8 @@
-//! The equation of motion in weak form: integrated against a test function, so that the position is never differentiated.
+//! The equation of motion in weak form: it is integrated against a test function, so that no position is
+//! differentiated.
 //!
-//! With φ(s) = (1 − s²)³ over ±T, normalised, `∫φẍ = ∫φ̈x` and `∫φẋ = −∫φ̇x`. The sampled kernels are corrected to be exact on 1, t,
-//! t² and t³: a constant position would leak in as a spring otherwise.
+//! With φ(s) = (1 − s²)³ over ±T, normalised, `∫φẍ = ∫φ̈x` and `∫φẋ = −∫φ̇x`. The sampled kernels are corrected to be
+//! exact on 1, t, t² and t³. Without that a constant position would look like a spring.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -28,7 +29,7 @@ pub struct Kernels {
 impl Kernels {
     /// Kernels of ±`half` samples, `half` ≥ 2, of `h_s` seconds each.
     pub fn new(half: usize, h_s: f64) -> Self {
-        // One sample beyond the last has φ = 0: with it at s = 1 every sample counts.
+        // φ is 0 at one sample beyond the last. So every sample within counts.
         let m = (half + 1) as f64;
         let s: Vec<f64> = (0..=2 * half).map(|j| (j as f64 - half as f64) / m).collect();
         let width = m * h_s;
@@ -49,7 +50,7 @@ impl Kernels {
         }
     }
 
-    /// What the weights make of the samples about `k`.
+    /// The weighted sum of the samples about `k`, each less that at `k`.
     #[inline]
     fn at(&self, weights: &[f64], x: &[f64], k: usize) -> f64 {
         let reference = x[k];
@@ -57,7 +58,7 @@ impl Kernels {
     }
 }
 
-/// Weights with the moments of 1, s, s², s³ that are `wanted`; what is added is shaped like the test function.
+/// Weights with the `wanted` moments of 1, s, s² and s³. The correction is shaped like the test function.
 fn corrected(weights: &[f64], s: &[f64], phi: &[f64], wanted: Vector4<f64>) -> Vec<f64> {
     let row = |s: f64| Vector4::new(1.0, s, s * s, s * s * s);
     let mut gram = Matrix4::zeros();
@@ -109,7 +110,7 @@ pub struct WeakForm<'a> {
     pub row_direction: Vec<f64>,
     /// 95th percentile of the speed.
     pub v95: f64,
-    /// Standard deviation of the acceleration in a window that the sensor's noise makes.
+    /// Standard deviation of a window's acceleration that the sensor's noise makes, position units/s².
     pub noise_a: f64,
     /// Radians in a position unit; `None` where the position is no angle.
     pub radians: Option<f64>,
@@ -119,7 +120,8 @@ pub struct WeakForm<'a> {
 }
 
 impl<'a> WeakForm<'a> {
-    /// Windows of half-width `half_width_s` over all pieces that are long enough; `None` where none moves.
+    /// Windows of half-width `half_width_s` over all pieces that are long enough. `None` where nothing moves, or where
+    /// fewer than 40 windows do.
     pub fn new(dataset: &'a Dataset, half_width_s: f64, settings: &Settings) -> Option<Self> {
         let half = |p: &Piece| ((half_width_s / p.h_s).round() as usize).max(settings.least_half_samples);
         let kernels: Vec<Kernels> = dataset.pieces.iter().map(|p| Kernels::new(half(p), p.h_s)).collect();
@@ -179,7 +181,7 @@ impl<'a> WeakForm<'a> {
                 continue;
             }
             let samples = ((block_s / piece.h_s) as usize).max(1);
-            // Blocks of one length within a piece, so that none is a remnant.
+            // Blocks of a piece have one length, so that none is a remnant.
             let count = ((piece.x.len() as f64 / samples as f64).round() as usize).max(1);
             for centre in
                 (margin..piece.x.len() - margin).step_by((((kernel.half / 3).max(1)) as f64 * thin).round() as usize)
@@ -245,7 +247,7 @@ impl<'a> WeakForm<'a> {
             .collect()
     }
 
-    /// Ratio of the noise's share in the acceleration to its rms.
+    /// Share of the noise in the rms of the acceleration.
     pub fn noise_share(&self) -> f64 {
         let square = self.row_a.iter().map(|a| a * a).sum::<f64>() / self.row_a.len().max(1) as f64;
         self.noise_a / square.sqrt()
@@ -267,7 +269,7 @@ pub struct Sample {
     pub v: f64,
     /// Acceleration.
     pub a: f64,
-    /// Smoothed sign of the velocity.
+    /// Direction of the friction, −1..1: the smoothed sign of the velocity, and the share u/f1 of the drive at rest.
     pub direction: f64,
     /// Drive.
     pub u: f64,
@@ -275,7 +277,7 @@ pub struct Sample {
     pub h_s: f64,
 }
 
-/// The weights at every sample; at the ends that of the last full window.
+/// The weighted sum at every sample; at either end, that of the nearest full window.
 pub(super) fn over(kernel: &Kernels, weights: &[f64], x: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 2 * kernel.half + 1 {
@@ -295,7 +297,7 @@ pub(super) fn norm(weights: &[f64]) -> f64 {
     weights.iter().map(|w| w * w).sum::<f64>().sqrt()
 }
 
-/// The value below which the share lies; 0 of nothing.
+/// The value below which the share of the values lies; 0 if there are none.
 pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;

@@ -1,5 +1,5 @@
-//! The zero of each recording: an incremental encoder starts anywhere, and a law of the position has one phase only where all
-//! recordings count from one place.
+//! The zero of each recording. An incremental encoder starts anywhere. A law of the position has one phase only where
+//! all recordings count from one place.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,13 +11,14 @@ use super::settings::Settings;
 use super::weak_form::{Sample, WeakForm};
 use crate::recording::Recording;
 
-/// Phases that are tried before the best is refined, and the golden sections that refine it to a thousandth of a step.
+/// Phases that are tried before the best is refined.
 const PHASES: usize = 36;
-/// See [`PHASES`].
+/// Golden sections that refine the best phase to a thousandth of a step.
 const SECTIONS: usize = 14;
 
-/// How far to move the positions of each of `recordings` so that the first law of the position that the ruling names has the phase, or
-/// the place of rest, that it has in `first`; `None` where one zero for all does.
+/// How far to move the positions of each of `recordings`, position units. The first law of the position that the ruling
+/// names then has the phase, or the place of rest, that it has in `first`. A recording that tells none is not moved.
+/// `None` where one zero fits all, or where `first` tells none.
 pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, settings: &Settings) -> Option<Vec<f64>> {
     let finding = ruling.findings.iter().find(|finding| finding.own_zeros)?;
     let law = PositionLaw::of(finding, ruling)?;
@@ -31,7 +32,7 @@ pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, sett
 struct PositionLaw {
     kind: Kind,
     amplitude: f64,
-    /// Radians in a position unit along its wave; nothing of a spring, which does not repeat.
+    /// Wave number, radians of the wave in a position unit; `None` for a spring, which does not repeat.
     wave_number: Option<f64>,
 }
 
@@ -49,13 +50,13 @@ impl PositionLaw {
         (amplitude != 0.0).then_some(Self { kind, amplitude, wave_number })
     }
 
-    /// A distance to the same place, the shortest.
+    /// The shortest distance to the same place of the wave.
     fn nearest(&self, distance: f64) -> f64 {
         self.wave_number.map_or(distance, |k| (k * distance + PI).rem_euclid(TAU) / k - PI / k)
     }
 
-    /// The phase over the wave number, or minus the place of rest, that fits the forces of one recording, position units; `None` where
-    /// it does not move.
+    /// Place of the law that fits the forces of one recording, position units: its phase over the wave number, or minus
+    /// its place of rest. `None` where the recording moves too little.
     fn place(&self, recording: &Recording, ruling: &Ruling, settings: &Settings) -> Option<f64> {
         let dataset = Dataset::new(std::slice::from_ref(recording), settings);
         let form = WeakForm::new(&dataset, ruling.half_width_s, settings)?;
@@ -102,7 +103,8 @@ mod tests {
     use super::*;
     use crate::discover::judge::ruling::rule;
 
-    /// 20 s at 500 Hz of a pendulum of .02 V·s²/rad, .1 V·s/rad and .6 V at its side, read from a zero of its own.
+    /// 20 s at 500 Hz of a pendulum with b = .02 V·s²/rad, c = .1 V·s/rad and .6 V at its side. Its reading starts at
+    /// `zero`.
     fn pendulum(zero: f64, beat: f64) -> Recording {
         let (b, c, m, h) = (0.02, 0.1, 0.6, 2e-3);
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
@@ -121,8 +123,8 @@ mod tests {
         recording
     }
 
-    /// Gravity is named though each encoder starts anywhere, and what moves the positions is the difference of the zeros, to .02 rad:
-    /// the half-width of a window at 1 rad/s.
+    /// Gravity is named though each encoder starts anywhere. The positions are moved by the difference of the zeros, to
+    /// .02 rad. That is the half-width of a window at 1 rad/s.
     #[test]
     fn recordings_are_counted_from_one_zero() {
         let recordings = [pendulum(0.0, 7.1), pendulum(1.1, 9.7), pendulum(-2.0, 5.3)];
@@ -135,7 +137,7 @@ mod tests {
         }
     }
 
-    /// Recordings of one zero have one phase: nothing is moved.
+    /// Recordings of one zero have one phase, so that nothing is moved.
     #[test]
     fn one_zero_stays_one() {
         let recordings = [pendulum(0.3, 7.1), pendulum(0.3, 9.7)];

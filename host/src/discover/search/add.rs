@@ -1,4 +1,4 @@
-//! Add: the effects of the catalogue, each from its best starts beside a model.
+//! Add: the effects of the catalogue, each from its best starts, beside a model.
 
 use breakaway_core::plant::{Effect, Kind};
 use rayon::prelude::*;
@@ -14,24 +14,26 @@ use crate::discover::model::Model;
 use crate::discover::screen::Screen;
 use crate::fit::{Fit, median};
 
-/// Floor of the logarithm, as a share of the median segment's mean square: of the current model's over a part of the segments, and of
-/// the best effect's over all.
+/// Floor of the logarithm over a part of the segments, as a share of the current model's median mean square.
 const PART_FLOOR: f64 = 0.1;
+/// Floor of the logarithm over all segments, as a share of the best effect's median mean square.
 const FINAL_FLOOR: f64 = 1.0;
-/// Effects that go on to all segments at the least; the share of the best gain that takes further ones there; and the one below
-/// which none does.
+/// Effects that go on to all segments, at the least.
 const FINALISTS: usize = 6;
+/// Share of the best gain above which further effects go on to all segments.
 const CLOSE: f64 = 0.7;
+/// Share of the best gain below which no effect goes on.
 const RIVAL: f64 = 0.25;
-/// Share of the best gain from which an effect is refined, and from which it is iterated to the end before.
+/// Share of the best gain above which an effect is refined.
 const COMPETITIVE: f64 = 0.4;
+/// Share of the best gain above which an effect's fit is iterated to the end before it is refined.
 const CONTENDING: f64 = 0.7;
-/// Share of what is left above the noise that a law takes which closes it.
+/// Share of what is left above the noise that a law must take to close it.
 const MOST_OF_IT: f64 = 0.5;
-/// Effects with enough evidence that are considered.
+/// Most effects with enough evidence that are considered.
 const CONSIDERED: usize = 4;
 
-/// What became of an effect of the catalogue beside a model.
+/// The result of an effect of the catalogue beside a model.
 #[derive(Clone, Debug)]
 pub(super) struct Tried {
     /// Which effect.
@@ -57,7 +59,7 @@ pub(super) struct Round {
     pub tried: Vec<Tried>,
 }
 
-/// Why an effect does not come into question beside others; `None` if it does.
+/// Why an effect cannot be added beside others; `None` if it can.
 pub(super) fn excluded(kind: Kind, effects: &[Effect<f64>], rotary: bool) -> Option<&'static str> {
     if kind.definition().needs_angle && !rotary {
         return Some("needs an angle in radians");
@@ -66,10 +68,11 @@ pub(super) fn excluded(kind: Kind, effects: &[Effect<f64>], rotary: bool) -> Opt
     effects.iter().find_map(|effect| kind.excludes(effect.kind).or_else(|| residue(effect.kind)))
 }
 
-/// Tries the effects `kinds` beside `current`; `compared` is called as each was compared over a part of the segments.
+/// Tries the effects `kinds` beside `current`. `compared` is called as each was compared over a part of the segments.
 ///
-/// A model that misses a machine by many times the noise of its encoder is not judged by the few segments that happen to come near
-/// that noise: the floor of the logarithm is a share of what the best effect leaves, or the `incumbent`, in whose place they are tried.
+/// The model may miss a machine by many times its encoder's noise. Then the few segments that come near the noise must
+/// not decide. So the floor of the logarithm is a share of what the best effect leaves. The `incumbent`, in whose place
+/// the effects are tried, lowers it where it leaves less.
 pub(super) fn add(
     data: &Data,
     current: &Fit,
@@ -88,7 +91,7 @@ pub(super) fn add(
         first.iter().enumerate().filter_map(|(i, t)| Some((i, own(t.fit.as_ref().ok()?)))).collect();
     gains.sort_by(|a, b| b.1.total_cmp(&a.1));
     let best = gains.first().map_or(0.0, |g| g.1);
-    // What gains little beside the incumbent is neither tied with it nor better.
+    // An effect that gains little beside the incumbent is neither tied with it nor better.
     let contested = incumbent.map_or(f64::NEG_INFINITY, |fit| RIVAL * halving.gain_of(fit));
     let left = gains.first().and_then(|g| first[g.0].fit.as_ref().ok()).map_or(0.0, |fit| median(fit.mse.clone()));
     let reached = incumbent.map(|fit| median(fit.mse.clone()));
@@ -97,7 +100,7 @@ pub(super) fn add(
         .fit(&data.problem(), Some(&current.initial), FINAL_ITERATIONS)
         .unwrap_or_else(|_| current.clone());
     let goes_on = |rank: usize, kind: Kind, gain: f64| {
-        // Before it are those that gain more, its own special case perhaps.
+        // Before it are the effects that gain more. Its own special case may be one of them.
         let idle = kind.remembers() && gains[..rank].iter().any(|(i, _)| kind.generalises(first[*i].kind));
         (rank < FINALISTS || gain > CLOSE * best) && gain > contested.max(RIVAL * best) && !idle
     };
@@ -124,8 +127,8 @@ pub(super) fn add(
     Some(Round { data, without, tried })
 }
 
-/// The effects over a part of the segments. A second body, whose start is free in every segment, comes last: where a law without one
-/// brings the segments down to the noise there is nothing left that it could explain.
+/// The effects over a part of the segments. Second bodies come last, because their starts are free in every segment.
+/// Where a law without one brings the segments down to the noise, nothing is left that a body could explain.
 fn over_part(
     halving: &Halving<'_>,
     data: &Data,
@@ -163,10 +166,10 @@ fn over_part(
     all
 }
 
-/// Refines what is competitive. More parameters than a law that does as well and is at the noise can only fit that; but what it may
-/// be confused with is to be shown as well as it can be.
+/// Refines what is competitive. A law that is at the noise leaves nothing to one with more parameters, which is then
+/// left as it is. The exception is an effect that may be confused with that law: it must be shown as well as it can be.
 fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Tried], rotary: bool) {
-    // Where nothing gains, no share is positive, and nothing is worth more work.
+    // Where nothing gains, no share is positive, so that nothing is refined but thresholds.
     let own = incumbent.map(|fit| data.problem().cost_of(&fit.mse));
     let best = tried.iter().map(Tried::cost).chain(own).fold(without.cost, f64::min);
     let share = |fit: &Fit| (without.cost - fit.cost) / (without.cost - best);
@@ -187,8 +190,8 @@ fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Trie
 }
 
 impl Round {
-    /// The effects whose evidence suffices, in the order in which they are considered: the best first, but among those tied
-    /// with it the one with the fewest parameters; then the others by their cost, a few.
+    /// The effects whose evidence suffices, in the order in which they are considered. The first is the simplest of
+    /// those tied with the best. The others follow by their cost; there are at most [`CONSIDERED`].
     pub(super) fn preference(&self) -> Vec<usize> {
         let enough = |i: &usize| self.tried[*i].fit.as_ref().is_ok_and(|fit| names(&self.data, &self.without, fit));
         let mut order: Vec<usize> = (0..self.tried.len()).filter(enough).take(CONSIDERED).collect();
@@ -200,8 +203,8 @@ impl Round {
         order
     }
 
-    /// The effect that most segments bear out among those whose evidence suffices other than `named`; without
-    /// a second body, whose starts gain wherever something is left.
+    /// The effect with the greatest z among those whose evidence suffices, `named` left out. Second bodies are left out
+    /// too: their starts gain wherever something is left.
     pub(super) fn second(&self, named: Kind) -> Option<usize> {
         let z = |i: usize| {
             let fit = self.tried[i].fit.as_ref().ok().filter(|fit| names(&self.data, &self.without, fit))?;

@@ -1,4 +1,5 @@
-//! Drop and swap: each effect of a model is compared with nothing and with what it may be confused with, beside the others.
+//! Drop and swap: an effect of a model is compared with nothing, and with what it may be confused with, beside the
+//! others.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -15,11 +16,12 @@ use crate::discover::gap::Gap;
 use crate::discover::model::Model;
 use crate::fit::Fit;
 
-/// Changes of a model per effect, at the most.
+/// Most changes of a model for each of its effects.
 const CHANGES: usize = 2;
 
-/// The effects that may stand in the place of `kind`: what it may be confused with, in either direction, and its special cases. Where the
-/// model is down to the noise, no second body and no law of which it is a special case: they would only fit that.
+/// The effects that may stand in the place of `kind`. Either may be confused with the other, or is a special case of
+/// the other. A model at the noise gives no place to a second body, or to a law that has `kind` as a special case. They
+/// would only fit the noise.
 pub(in crate::discover) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kind> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
     let comes_in = |other: Kind| {
@@ -32,7 +34,8 @@ pub(in crate::discover) fn confusable(kind: Kind, at_the_noise: bool) -> Vec<Kin
 }
 
 impl Search<'_> {
-    /// What may stand in the place of the `j`-th added effect, tried beside the others.
+    /// The effects tried in the place of the `j`-th added one, beside the others; `None` where the model without it has
+    /// no fit.
     pub(super) fn contested(&self, node: &Node, j: usize) -> Option<Arc<Round>> {
         if let Some(Some(round)) = node.contests.get(j) {
             return Some(round.clone());
@@ -47,8 +50,8 @@ impl Search<'_> {
         add(self.data, &without, (&kinds, &|| ()), Some(&node.fit), self.rotary).map(Arc::new)
     }
 
-    /// The model with every effect dropped that the others do without, and every one replaced by another that does better, or as
-    /// well with fewer parameters.
+    /// The model without the effects that the others can do without. An effect is also exchanged for another that does
+    /// better, or that does as well and is simpler.
     pub(super) fn improved(&self, mut node: Node) -> Node {
         for _ in 0..CHANGES * node.added() {
             if self.is_exhausted() {
@@ -79,7 +82,7 @@ impl Search<'_> {
         None
     }
 
-    /// The model with another effect of the round in the place of `own`, if one is to be there.
+    /// The model with another effect of the round in the place of `own`; `None` where none does better or as well.
     fn exchanged(&self, node: &Node, round: &Arc<Round>, own: Kind) -> Option<(Node, &'static str)> {
         for (index, tried) in round.tried.iter().enumerate().filter(|(_, tried)| tried.kind != own) {
             let Ok(fit) = &tried.fit else { continue };
@@ -95,8 +98,8 @@ impl Search<'_> {
     }
 }
 
-/// Whether `fit` is tied with the node's and has fewer parameters, or no second body where that has one; or as many, and is the more
-/// likely.
+/// Whether `fit` is tied with the node's and simpler: with no second body where that has one, or with fewer parameters.
+/// Of two that are as simple the more likely one is taken.
 fn simpler(round: &Round, node: &Node, fit: &Fit) -> bool {
     let key = |fit: &Fit| (has_body(fit), fit.free.len());
     match key(fit).cmp(&key(&node.fit)) {
@@ -106,7 +109,7 @@ fn simpler(round: &Round, node: &Node, fit: &Fit) -> bool {
     }
 }
 
-/// How another effect does in the place of one.
+/// The result of another effect in the place of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::discover) enum Standing {
     /// The recordings bear it out rather than that.
@@ -115,12 +118,13 @@ pub(in crate::discover) enum Standing {
     AsGood,
 }
 
-/// What of `kinds` does as well as the `j`-th effect of a fit in its place, or better, in the order of their costs.
+/// The effects of `kinds` that do as well in the place of the `j`-th effect of a fit, or better. They are in the order
+/// of their costs; there are none where nothing can be fitted.
 pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[Kind]) -> Vec<(Effect<f64>, Standing)> {
     let Ok(without) = Model::of(fit).without(j).fit(&data.problem(), Some(&fit.initial), LAST_ITERATIONS) else {
         return Vec::new();
     };
-    // What needs an angle the judge can weigh.
+    // An effect that needs an angle is left to the judge, which can weigh it.
     let Some(round) = add(data, &without, (kinds, &|| ()), Some(fit), false) else { return Vec::new() };
     let standing = |own: &Fit| {
         let extra = own.free.len().saturating_sub(fit.free.len());

@@ -8,32 +8,35 @@ use crate::fit::{Candidate, Fit, FitError, Problem, Start, median};
 
 /// Floor of the base model's fit, as a multiple of the mean square that it leaves.
 const BASE_FLOOR: f64 = 10.0;
-/// Mean square of the median segment over the noise's from which a named effect is fitted like that.
+/// Mean square of the median segment, over the noise's, from which a named effect is fitted with the base model's
+/// floor.
 const MISSES_MUCH: f64 = 4.0;
-/// Iterations over all segments, and of a fit that is to converge.
+/// Iterations of a fit to all segments.
 pub(super) const FINAL_ITERATIONS: usize = 12;
+/// Iterations of a fit that is to converge.
 pub(super) const LAST_ITERATIONS: usize = 20;
-/// Iterations with all sub-steps after those with half of them.
+/// Iterations with all sub-steps, after those with half of them.
 const FINE_ITERATIONS: usize = 3;
-/// Restarts of a fit that is to converge, at the most, and the gain in nats that is worth another.
+/// Most restarts of a fit that is to converge.
 const RESTARTS: usize = 2;
+/// Gain that is worth another restart, nats.
 const WORTH_A_RESTART: f64 = 20.0;
-/// The same as a share of what the fit leaves above the noise: an effect that is missing takes that, not another restart.
+/// The same as a share of what the fit leaves above the noise. A missing effect takes that; another restart does not.
 const OF_WHAT_IS_LEFT: f64 = 0.01;
 
-/// Whether the effects take many sub-steps of a sample: most of the way is gone with half of them.
+/// Whether the effects take many sub-steps of a sample. Half of the sub-steps are then enough for most of a fit.
 pub(super) fn is_slow(effects: &[Effect<f64>]) -> bool {
     effects.iter().any(|effect| effect.kind.bristles() || effect.kind.sub_steps() > 1)
 }
 
-/// From the fit over a part of the segments to all of them.
+/// Fits to all segments what was fitted to a part of them.
 pub(super) fn over_all(data: &Data, start: &Fit) -> Result<Fit, String> {
     let problem = data.problem();
     let model = Model::of(start);
     let slow = is_slow(&model.effects);
     let first = Problem { coarse: slow, ..problem };
     let mut fits = vec![model.fit(&first, None, FINAL_ITERATIONS)];
-    // Where the part was all of them, as it is of short ones, its starts are worth as much as the smoothed motion.
+    // With short segments the part is all of them. Its starts are then worth as much as the smoothed motion.
     if start.initial.len() == data.fit.len() {
         fits.push(model.fit(&first, Some(&start.initial), FINAL_ITERATIONS));
     }
@@ -47,8 +50,9 @@ pub(super) fn over_all(data: &Data, start: &Fit) -> Result<Fit, String> {
     fit.map_err(|error| error.to_string())
 }
 
-/// Fits a model that may miss much: the floor is far above the mean square that it leaves, which makes it a plain least-squares
-/// fit to all segments alike, and not to those (of one direction, of one speed) that it can be made to follow.
+/// Fits a model that may miss much. Its floor is far above the mean square that it leaves, so that the fit is plain
+/// least squares over all segments. A low floor would favour segments that the model can follow, those of one direction
+/// or speed.
 ///
 /// # Errors
 /// [`FitError`] of the fit.
@@ -58,7 +62,7 @@ pub(in crate::discover) fn fit_softly(data: &Data, start: &Candidate, iterations
     levelled(data, &model, &fit, iterations, None)
 }
 
-/// A fit as the base model's is made, where it leaves far more than the noise too.
+/// A fit with the base model's floor, where the median segment leaves far more than the noise; else the fit as it is.
 pub(in crate::discover) fn settled(data: &Data, fit: Fit) -> Fit {
     if median(fit.mse.clone()) < MISSES_MUCH * data.sigma * data.sigma {
         return fit;
@@ -77,15 +81,15 @@ fn levelled(
     model.fit(&softened.problem(), initial, iterations)
 }
 
-/// Nats by which a fit stays above the noise's own.
+/// Cost of a fit above that of the noise alone, nats.
 fn above_the_noise(data: &Data, fit: &Fit) -> f64 {
     let noise = vec![data.sigma * data.sigma; fit.mse.len()];
     let problem = data.problem();
     problem.cost_of(&fit.mse) - problem.cost_of(&noise)
 }
 
-/// Iterated to the end, from its own starts and from the smoothed motion, again while that gains: what is left afterwards is
-/// the model's, and a further effect is not named for finishing the fit.
+/// The fit iterated to its end. It starts from its own starts and from the smoothed motion, again as long as that
+/// gains. What is left then belongs to the model, and no effect is named for finishing the fit.
 pub(super) fn converged(data: &Data, fit: &Fit) -> Fit {
     let problem = data.problem();
     let mut best = fit.clone();

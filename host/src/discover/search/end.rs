@@ -1,4 +1,4 @@
-//! What a search comes to: the named model, its ladder, its rivals.
+//! The end of a search: the named model, its ladder and its rivals.
 
 use breakaway_core::plant::Kind;
 
@@ -19,23 +19,23 @@ pub(in crate::discover) struct Tie {
     pub kinds: [Kind; 2],
 }
 
-/// What the search comes to.
+/// The result of a search.
 pub(in crate::discover) struct Ended {
     pub verdict: Verdict,
     pub fit: Fit,
     pub errors: Covariance,
     pub named: Vec<NamedEffect>,
     pub ladder: Vec<Rung>,
-    /// What became of every effect beside the base; empty where the search began with a model that is down to the noise.
+    /// The fate of every effect beside the base; empty where the search began with a model at the noise.
     pub first_round: Vec<CandidateRow>,
-    /// The effect that came closest in it, said.
+    /// The effect that came closest beside the base, in words.
     pub closest: Option<String>,
     pub tie: Option<Tie>,
     pub remarks: Vec<String>,
 }
 
 impl Search<'_> {
-    /// Names the best of the models visited, with all that goes with it.
+    /// Names the best of the visited models.
     pub(super) fn end(mut self, visited: Vec<Node>, progress: Watch<'_>) -> Ended {
         progress(Progress::Step("checking the model on held-out data"));
         let node = self.chosen(visited);
@@ -76,7 +76,8 @@ impl Search<'_> {
         }
     }
 
-    /// What comes close to effect `j` of the final model, beside its others; what is tied with it must hold on the held-out data too.
+    /// The rivals of effect `j` of the final model, beside its others. One that is tied must hold on the held-out data
+    /// too.
     fn rivals(&self, node: &Node, j: usize, tie: &mut Option<Tie>) -> Vec<Rival> {
         let Some(round) = self.contested(node, j) else { return Vec::new() };
         let (own, kinds) = (node.kinds()[j], node.kinds());

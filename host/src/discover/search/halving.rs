@@ -1,5 +1,5 @@
-//! Successive halving over the starts of an effect: all of them over few segments and iterations, the better half over more, and
-//! the best over still more.
+//! Successive halving over the starts of an effect. All are compared over few segments and iterations, the better half
+//! over more, and the best over still more.
 
 use breakaway_core::plant::effect::{Role, Search};
 use breakaway_core::plant::{Base, Effect, Kind};
@@ -11,34 +11,38 @@ use crate::discover::model::Model;
 use crate::discover::screen::{Screen, Start as Point};
 use crate::fit::{Fit, Problem, Segment, Start};
 
-/// One in so many segments is a part, but at least so many are.
+/// One segment in so many is in the part.
 const PART: usize = 3;
+/// Fewest segments of the part, where there are so many.
 const LEAST_PART: usize = 12;
-/// Segments on which starts are compared first, half of them those that the current model fits worst.
+/// Segments on which starts are compared first. About half of them are those that the current model fits worst.
 const FEW: usize = 14;
-/// Starts of an effect, the best of the screen; of a periodic one; of one that the screen does not see (extra mechanics faster than
-/// the smoothing of the motion, thresholds) all.
+/// Starts of an effect that are tried, the best of the screen.
 const STARTS: usize = 4;
+/// The same for a periodic effect. For thresholds, and for effects with a memory, the screen tells little: all starts
+/// are tried.
 const PERIODIC_STARTS: usize = 9;
-/// One in so many of these where the model carries bristles or a second body already, whose simulation is slow.
+/// One start in so many is tried where the model already has bristles or a second body, whose simulation is slow. A gap
+/// keeps all its starts.
 const SLOW_SHARE: usize = 3;
-/// Starts kept after the first rung at the most.
+/// Most starts that are kept after the first rung.
 const KEPT: usize = 5;
-/// Iterations of a rung, and of the last.
+/// Iterations of a rung.
 const ITERATIONS: usize = 2;
+/// Iterations of the last rung.
 const LAST: usize = 5;
-/// Share of the screen's amplitude from which an effect grows out of the current model; its most, as a share of f1 for forces, or
-/// as a ratio.
+/// Share of the screen's amplitude from which an effect grows out of the current model. It is also the largest such
+/// amplitude: as a share of f1 for a force, as such for a ratio.
 const SEED_AMPLITUDE: f64 = 0.1;
-/// Share of the best gain from which a whole number of waves is preferred to another.
+/// Share of the best gain at which a whole number of waves is preferred to another.
 const AS_GOOD: f64 = 0.9;
 
-/// The current model over a part of the segments, and the few on which starts are compared first.
+/// The current model over a part of the segments, with the few on which starts are compared first.
 pub(super) struct Halving<'a> {
     data: &'a Data,
     model: Model,
     pub current: Fit,
-    /// Of all segments the part's, by index.
+    /// Indices of the part among all segments.
     indices: Vec<usize>,
     part: Vec<Segment>,
     few: Vec<Segment>,
@@ -48,14 +52,14 @@ pub(super) struct Halving<'a> {
 
 impl<'a> Halving<'a> {
     pub(super) fn new(data: &'a Data, current: &Fit, rotary: bool) -> Self {
-        // Few of the short segments hold what is looked for, and are quickly simulated: all of them.
+        // Few of the short segments show the effect, and they are quickly simulated. So all of them are used.
         let share = if data.segment_s < FIT_SEGMENT_S { 1 } else { PART };
         let step = share.min(data.fit.len().div_ceil(LEAST_PART).max(1));
         let part: Vec<usize> = (0..data.fit.len()).step_by(step).collect();
         let segments: Vec<Segment> = part.iter().map(|i| data.fit[*i]).collect();
         let initial: Vec<Start> = part.iter().map(|i| current.initial[*i]).collect();
         let model = Model::of(current);
-        // Gains count from the current model's own best on these segments, or they would all be offset.
+        // The current model is fitted to these segments too. Otherwise all gains would have an offset.
         let current = model.fit(&data.over(&segments), Some(&initial), LAST).unwrap_or_else(|_| current.clone());
         let mut worst: Vec<usize> = (0..segments.len()).collect();
         worst.sort_by(|a, b| current.mse[*b].total_cmp(&current.mse[*a]));
@@ -67,13 +71,13 @@ impl<'a> Halving<'a> {
         Self { data, model, current, indices: part, part: segments, few, few_initial, rotary }
     }
 
-    /// What a fit to all segments gains over the part, nats.
+    /// The gain of a fit to all segments, counted over the part, nats.
     pub(super) fn gain_of(&self, fit: &Fit) -> f64 {
         let mse: Vec<f64> = self.indices.iter().map(|i| fit.mse[*i]).collect();
         self.current.cost - self.data.over(&self.part).cost_of(&mse)
     }
 
-    /// The best start of an effect, fitted over the part, or why there is none.
+    /// The best start of an effect, fitted over the part; or the reason why there is none.
     pub(super) fn best(&self, screen: &Screen<'_>, kind: Kind) -> Result<Fit, String> {
         let part = Problem { coarse: self.is_coarse(kind), ..self.data.over(&self.part) };
         let starts = self.chosen(kind, screen.starts(kind));
@@ -91,12 +95,12 @@ impl<'a> Halving<'a> {
         least(self.over(&part, std::slice::from_ref(&best), LAST)).ok_or_else(none)
     }
 
-    /// Whether half the sub-steps do, to compare starts.
+    /// Whether half of the sub-steps are enough to compare starts.
     fn is_coarse(&self, kind: Kind) -> bool {
         kind.bristles() || kind.sub_steps() > 1 || is_slow(&self.model.effects)
     }
 
-    /// Fits go on over the part.
+    /// The fits go on over the part.
     fn over(&self, part: &Problem<'_>, fits: &[Fit], iterations: usize) -> Vec<Fit> {
         let fits = fits.par_iter().with_max_len(1).filter_map(|fit| {
             let new = *fit.candidate.effects.last()?;
@@ -111,13 +115,13 @@ impl<'a> Halving<'a> {
         fits.collect()
     }
 
-    /// The first rung: every start over the few, its frequency held.
+    /// The first rung: every start over the few segments, with its frequency held.
     fn over_few(&self, kind: Kind, starts: Vec<Point>) -> Result<Vec<Fit>, String> {
         let few = Problem { coarse: self.is_coarse(kind), ..self.data.over(&self.few) };
         let mut reason = "the weak form gives no starting value".to_owned();
         let mut fits = Vec::new();
         for start in starts {
-            // One of each start goes on: what is far apart (wave numbers, thresholds) is not told apart by two steps.
+            // One fit of each start goes on. Two iterations do not tell starts apart that are far from each other.
             let mut best: Option<Fit> = None;
             for model in self.variants(&start) {
                 match model.at_its_frequency().fit(&few, Some(&self.few_initial), ITERATIONS) {
@@ -131,8 +135,9 @@ impl<'a> Halving<'a> {
         if fits.is_empty() { Err(reason) } else { Ok(fits) }
     }
 
-    /// The first rung of a second body, whose start is free in every segment: few would not tell, and half of the part does. Two
-    /// steps at a frequency give its mass, with which two more are drawn to the right one. Among impacts two steps tell nothing.
+    /// The first rung of a second body. Its start is free in every segment, so that few segments tell little: half of
+    /// the part is used. Two iterations at a held frequency give its mass; two more then find the frequency. Among
+    /// impacts two iterations tell nothing, so that a gap is fitted for longer.
     fn bodies(&self, part: &Problem<'_>, kind: Kind, starts: Vec<Point>) -> Vec<Fit> {
         let step = if self.part.len() < 2 * LEAST_PART { 1 } else { 2 };
         let segments: Vec<Segment> = self.part.iter().copied().step_by(step).collect();
@@ -149,8 +154,9 @@ impl<'a> Halving<'a> {
         fits.collect()
     }
 
-    /// A periodic effect over short segments, few of which hold what is looked for: all starts go to the end. Where these few lie
-    /// an integer of waves apart any other number does nearly as well; along the angle of a shaft it is a whole one then.
+    /// A periodic effect over short segments. Few of them show it, so that all starts are fitted to the end. Where
+    /// those few lie a whole number of waves apart, other wave numbers do nearly as well. Along the angle of a shaft a
+    /// whole number is then taken.
     fn in_whole_waves(&self, part: &Problem<'_>, starts: Vec<Point>) -> Option<Fit> {
         let fits = starts.into_par_iter().with_max_len(1).filter_map(|start| {
             let model = self.beside(&start);
@@ -165,7 +171,7 @@ impl<'a> Halving<'a> {
         fits.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|(_, fit)| fit)
     }
 
-    /// Starts worth a simulation.
+    /// The starts that are worth a simulation.
     fn chosen(&self, kind: Kind, starts: Vec<Point>) -> Vec<Point> {
         let unseen = kind.threshold() || kind.free_memory() > 0;
         let most = match (unseen, kind.definition().periodic()) {
@@ -185,8 +191,9 @@ impl<'a> Halving<'a> {
         new.map_or_else(|| self.model.clone(), |new| self.model.with(new)).on(self.current.candidate.base)
     }
 
-    /// The models of one point of the screen. The weak form's base is biased where something is missing, and the current one lacks
-    /// the effect: both; and the effect small beside the current base, from where a fit cannot lose.
+    /// The models of one point of the screen. The weak form's base is biased where something is missing; the current
+    /// base lacks the effect. So both are tried. The third has a small effect beside the current base, from where a fit
+    /// cannot lose.
     fn variants(&self, start: &Point) -> Vec<Model> {
         let beside = self.beside(start);
         let last = beside.effects.len() - 1;
@@ -201,7 +208,7 @@ impl<'a> Halving<'a> {
     }
 }
 
-/// The effect with little of its amplitudes; `None` where it has none.
+/// The effect with small amplitudes; `None` where it has no amplitude.
 fn grown_from(effect: &Effect<f64>, base: &Base<f64>) -> Option<Effect<f64>> {
     let mut small = *effect;
     let mut grows = false;

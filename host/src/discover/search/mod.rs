@@ -1,4 +1,5 @@
-//! A beam search over models on the simulated motion. The moves: add an effect, drop one, swap one for another, refine one.
+//! A beam search over models on the simulated motion. Its moves add an effect, drop one, swap one for another, or
+//! refine one.
 
 mod add;
 mod compare;
@@ -38,15 +39,17 @@ pub(super) use table::parameters;
 const BEAM: usize = 2;
 /// Most effects added in one discovery.
 const MAX_ADDED: usize = 3;
-/// Simulated numbers after which a search tries no further effect. A sample counts one for each sub-step, and as many more as its
-/// derivatives take in memory. They take about 20 s of a core; a round of all effects takes half as many.
+/// Simulated numbers after which a search tries no further effect. A sample counts once for each sub-step; with
+/// derivatives, as many times more as its numbers are longer. So many take about 20 s of a core. A round of all effects
+/// takes half.
 const MOST_WORK: u64 = 400_000_000;
-/// Multiple of that after which effects are not dropped or swapped either, of a model that the round before the bound gave.
+/// Multiple of [`MOST_WORK`] after which effects are not dropped or swapped either. The model is then from the round
+/// before the bound.
 const LAST_WORK: u64 = 2;
-/// Iterations of a model to start from.
+/// Iterations of the model that a search starts from.
 const ITERATIONS: usize = 20;
 
-/// What a search knows.
+/// The data and the state of a search.
 pub(super) struct Search<'a> {
     data: &'a Data,
     units: &'a Units,
@@ -57,7 +60,7 @@ pub(super) struct Search<'a> {
     known: usize,
     /// Whether the position is an angle.
     rotary: bool,
-    /// The effects beside the base.
+    /// The first round: the effects beside the base.
     first: Option<Arc<Round>>,
     remarks: Vec<String>,
 }
@@ -69,17 +72,17 @@ impl<'a> Search<'a> {
         Self { data, units, base: Node::new(data, base, known), kinds, known, rotary, first: None, remarks: Vec::new() }
     }
 
-    /// Whether as much was simulated as a search may.
+    /// Whether so much was simulated that no further effect is tried.
     fn is_spent(&self) -> bool {
         self.data.work.load(Ordering::Relaxed) > MOST_WORK
     }
 
-    /// Whether so much was simulated that a model is left as it is: nothing is dropped or swapped any more.
+    /// Whether so much was simulated that a model is left as it is. Nothing is dropped or swapped any more.
     fn is_exhausted(&self) -> bool {
         self.data.work.load(Ordering::Relaxed) > LAST_WORK * MOST_WORK
     }
 
-    /// The model that can be named. `start` is one to begin with, beside the base.
+    /// Searches, and names a model. `start` is a model to begin with, beside the base.
     pub(super) fn run(mut self, start: Option<&Model>, progress: Watch<'_>) -> Ended {
         let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
         let mut visited = beam.clone();
@@ -88,7 +91,8 @@ impl<'a> Search<'a> {
         }
         for _ in 0..MAX_ADDED {
             let mut pool = self.grown(&beam, progress);
-            // What a dropped effect led out of a narrow valley is the model that was there before, and a better fit of it.
+            // A dropped effect may lead a fit out of a narrow valley. The model that was there before takes the better
+            // fit.
             for node in &pool {
                 let old = visited.iter_mut().find(|old| old.same_kinds(node) && node.fit.cost < old.fit.cost);
                 if let Some(old) = old {
@@ -102,8 +106,8 @@ impl<'a> Search<'a> {
         self.end(visited, progress)
     }
 
-    /// All that grows out of the beam; no more than comes of its first model where that explains the recordings. The base is always
-    /// looked at, another only within the bound of work.
+    /// All models that grow out of the beam. Where those of its first model explain the recordings, the second is left
+    /// alone. The base is always tried; another model is tried only within the bound of work.
     fn grown(&mut self, beam: &[Node], progress: Watch<'_>) -> Vec<Node> {
         let mut pool: Vec<Node> = Vec::new();
         for parent in beam {
@@ -138,8 +142,8 @@ impl<'a> Search<'a> {
         (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)
     }
 
-    /// The models with one effect more: the preferred one, and the one that most segments bear out. What another missing effect spoils on
-    /// held-out data may be right, so that both stay in the beam.
+    /// The models with one effect more: the preferred one, and the one that most segments bear out. A second missing
+    /// effect may spoil the right one on held-out data. So both stay in the beam.
     fn children(&mut self, parent: &Node, progress: Watch<'_>) -> Vec<Node> {
         let compared = || progress(Progress::Compared);
         let Some(round) = add(self.data, &parent.fit, (self.kinds, &compared), None, self.rotary).map(Arc::new) else {
@@ -172,7 +176,8 @@ impl<'a> Search<'a> {
         children
     }
 
-    /// A model of a round, with what was tried in the place of the effects before, improved.
+    /// A model of a round, improved. The effects tried in the place of its last one are kept. `None` where nothing
+    /// added is left.
     fn child(&self, parent: &Node, round: &Arc<Round>, index: usize) -> Option<Node> {
         let node = Node::of(self.data, round, index, self.known)?;
         if parent.added() == 0 {
@@ -182,8 +187,8 @@ impl<'a> Search<'a> {
         (node.added() > 0).then_some(node)
     }
 
-    /// The best models of a pool, each of other effects: what is down to the noise first, then what has no second body, whose starts
-    /// follow whatever is missing, then by the likelihood less its price.
+    /// The best models of a pool, each of other effects. Models at the noise come first, then those without a second
+    /// body, whose starts follow whatever is missing. The rest is by the likelihood less its price.
     fn best(&self, mut pool: Vec<Node>) -> Vec<Node> {
         let left = pool.iter().map(|node| median(node.fit.mse.clone())).fold(f64::INFINITY, f64::min);
         let data = self.data.softened(if left.is_finite() { left } else { 0.0 });

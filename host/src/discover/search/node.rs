@@ -1,4 +1,5 @@
-//! A node of the beam: a model with its fit, what it leaves on held-out data, and what was tried in the place of its effects.
+//! A node of the beam: a model, its fit, and its error on held-out data. It keeps what was tried in the place of its
+//! effects.
 
 use std::sync::Arc;
 
@@ -17,20 +18,21 @@ use crate::fit::Fit;
 pub(super) struct Node {
     pub fit: Fit,
     pub gap: Gap,
-    /// What was tried in the place of every effect beside the others; `None` where that is not known yet.
+    /// What was tried in the place of every added effect; `None` where nothing was tried yet.
     pub contests: Vec<Option<Arc<Round>>>,
-    /// What was dropped from it and exchanged in it.
+    /// Effects that were dropped from it and exchanged in it, in words.
     pub remarks: Vec<String>,
 }
 
 impl Node {
-    /// A model whose effects were not compared with others yet; the first `known` never are.
+    /// A model whose added effects were not compared with others yet. The first `known` effects never are.
     pub(super) fn new(data: &Data, fit: Fit, known: usize) -> Self {
         let contests = vec![None; fit.candidate.effects.len() - known];
         Self { gap: Gap::of(data, &fit), fit, contests, remarks: Vec::new() }
     }
 
-    /// The model of a round with its effect `index`, carried to its end. Where it leaves something, its levels are sought.
+    /// The model of a round with its effect `index`, iterated to the end. Its levels are sought where it leaves
+    /// something.
     pub(super) fn of(data: &Data, round: &Arc<Round>, index: usize, known: usize) -> Option<Self> {
         let fit = round.tried[index].fit.as_ref().ok()?;
         let end = |fit: &Fit| settled(data, converged(&round.data, fit));
@@ -46,7 +48,7 @@ impl Node {
         Some(node)
     }
 
-    /// The node that comes of `old`, and why.
+    /// The node that replaces `old`, with the reason.
     pub(super) fn after(mut self, old: &Self, remark: String) -> Self {
         self.remarks.clone_from(&old.remarks);
         self.remarks.push(remark);
@@ -78,7 +80,7 @@ impl Node {
         sorted(self) == sorted(other)
     }
 
-    /// Whether the model is down to the noise, where `base` is the gap of the one without the added effects.
+    /// Whether the model is down to the noise. `base` is the gap of the model without the added effects.
     pub(super) fn explained(&self, base: &Gap) -> bool {
         if self.kinds().iter().any(|kind| kind.second_body()) {
             base.explained_by_bodies(&self.gap)

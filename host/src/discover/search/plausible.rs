@@ -1,4 +1,4 @@
-//! What the recordings do not resolve is not believed, whatever it gains.
+//! Limits of what the recordings resolve. A model beyond them is not believed, whatever it gains.
 
 use breakaway_core::plant::effect::{ActsIn, Role, Scale, Search};
 use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
@@ -7,27 +7,30 @@ use crate::discover::data::Data;
 use crate::discover::screen::stroke;
 use crate::fit::Candidate;
 
-/// Share of a sample's time below which a delay or a lag of the drive is not believed: the solver's own error is a like share.
+/// Share of a sample's time below which a delay or a lag of the drive is not believed. The solver's own error is as
+/// large.
 const LEAST_OF_A_SAMPLE: f64 = 0.01;
 /// Share of the inertia below which a second body is not believed.
 const LEAST_BODY: f64 = 0.02;
-/// Damping ratio from which less than a tenth of an oscillation is left after a period: a body that hardly rings is what
-/// a gap's contact looks like.
+/// Damping ratio above which a second body is not believed. Less than a tenth of an oscillation is then left after a
+/// period, and the contact of a gap looks like that.
 const MOST_DAMPING: f64 = 0.35;
 
-/// Whether a parameter of that role has a value that `test` holds for.
+/// Whether `test` holds for a parameter whose role `is` accepts.
 fn any(effect: &Effect<f64>, is: impl Fn(Role) -> bool, test: impl Fn(f64) -> bool) -> bool {
     let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
     parameters.into_iter().any(|(parameter, value)| is(parameter.role) && test(*value))
 }
 
-/// Refuses dynamics so fast that what is simulated is the solver's; bristles so long that they never let go, which are a spring whose
-/// rest every segment chooses for itself; bodies so light that only their start, free in every segment, is left of them, or on a
-/// spring that is all damper; and inertia or friction that no drive of the recordings overcomes, beside which only the starts
-/// move anything.
+/// Refuses a model that the recordings do not resolve, for one of these reasons. Their order is that of the tests.
 ///
-/// `judged` are the effects whose bristles count: those that took the share of an effect which was missing are too long until it
-/// is there.
+/// - Dynamics are faster than the solver's steps, or a delay is shorter than the time stamps tell.
+/// - No drive of the recordings overcomes the inertia or the friction. Only the starts then move anything.
+/// - Bristles are so long that they never let go. They are a spring, and each segment chooses its rest.
+/// - A second body is so light that only its start is left of it, free in every segment; or its spring is all damper.
+///
+/// `judged` are the effects whose bristles count. The bristles of the others may be too long until the missing effect
+/// is there, because they took its share.
 pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>]) -> Result<(), String> {
     let plant = Plant { base: candidate.base, effects: &candidate.effects };
     if data.tracks.iter().any(|track| plant.sub_steps(track.ts) >= MAX_SUB_STEPS) {

@@ -1,4 +1,5 @@
-//! Refine: refinements of a law's form, whole waves in a turn, and the thresholds and levels that gradients do not find.
+//! Refine: the refinements of a law's form, whole waves in a turn, and thresholds and levels that gradients do not
+//! find.
 
 use breakaway_core::plant::effect::{Role, Search};
 
@@ -9,32 +10,36 @@ use crate::discover::decide::paired;
 use crate::discover::model::Model;
 use crate::fit::{Fit, Free, Problem};
 
-/// Nats that a refinement gains at the least, beside the price of its parameters.
+/// Least gain of a refinement, nats, beside the price of its parameters.
 const WORTH: f64 = 10.0;
-/// Ratios of a coordinate search. A single threshold, at rest, decides by the sample at which the body starts: to a percent
-/// and finer.
+/// Ratios of a coordinate search over the thresholds of an effect.
 const COARSE: [f64; 2] = [1.4, 1.12];
+/// The same for an effect whose threshold is its only parameter. At rest the threshold decides at which sample the body
+/// starts, so that it is sought to .5 %.
 const FINE: [f64; 5] = [1.5, 1.15, 1.05, 1.015, 1.005];
-/// The same of a level at rest, which a fit leaves a percent or two short of its narrow well.
+/// The same for a level at rest. A fit stops a percent or two before its narrow minimum.
 const LEVEL: [f64; 3] = [1.05, 1.02, 1.007];
-/// Steps on in one direction, iterations of each, and the gain in nats that is worth the next.
+/// Most steps in one direction.
 const STEPS: usize = 4;
+/// Iterations of each step.
 const STEP_ITERATIONS: usize = 2;
+/// Gain that is worth the next step, nats.
 const WORTH_A_STEP: f64 = 0.5;
 
-/// The last effect refined; that of a `contender` from the end of the fit, and along its thresholds.
+/// The fit with its last effect refined. The fit of a `contender` is iterated to its end first, and its thresholds are
+/// sought.
 pub(super) fn refined(data: &Data, fit: Fit, contender: bool, rotary: bool) -> Fit {
     let problem = data.problem();
     let last = fit.candidate.effects.len() - 1;
     let fit = with_form(&problem, if contender { converged(data, &fit) } else { fit }, last);
     let fit = if rotary { in_whole_waves(data, fit, last) } else { fit };
-    // A threshold that was not found leaves its effect far behind; without a memory the search is cheap.
+    // A threshold that was not found leaves its effect far behind. Without a memory the search for it is cheap.
     let kind = fit.candidate.effects[last].kind;
     if kind.threshold() && (contender || !kind.remembers()) { along_thresholds(&problem, fit, last) } else { fit }
 }
 
-/// The refinements of the form of effect `j` (a second harmonic, an exponent): they do not change its name, and are kept only
-/// where they pay for their parameters.
+/// The refinements of the form of effect `j`: a second harmonic, or an exponent. They do not change its name. They are
+/// kept only where they pay for their parameters.
 fn with_form(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
     let effect = best.candidate.effects[j];
     let parameters = effect.kind.definition().parameters;
@@ -63,7 +68,7 @@ fn with_form(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
         .unwrap_or(best)
 }
 
-/// A ripple along the angle of a shaft has whole waves in a turn, where that does as well.
+/// A ripple along the angle of a shaft gets a whole number of waves in a turn, where that does as well.
 fn in_whole_waves(data: &Data, fit: Fit, j: usize) -> Fit {
     let Some(model) = Model::of(&fit).in_whole_waves(j) else { return fit };
     match model.fit(&data.problem(), Some(&fit.initial), LAST_ITERATIONS) {
@@ -72,7 +77,7 @@ fn in_whole_waves(data: &Data, fit: Fit, j: usize) -> Fit {
     }
 }
 
-/// Coordinate search over the parameters of effect `j` that are on a grid, the rest refitted.
+/// Coordinate search over the parameters of effect `j` that are on a grid. The rest is refitted.
 fn along_thresholds(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
     let own = best.free.iter().filter(|free| matches!(free, Free::Effect(k, _) if *k == j)).count();
     let ratios: &[f64] = if own == 1 { &FINE } else { &COARSE };
@@ -82,7 +87,7 @@ fn along_thresholds(problem: &Problem<'_>, best: Fit, j: usize) -> Fit {
     Model::of(&best).fit(problem, Some(&best.initial), 5).unwrap_or(best)
 }
 
-/// The levels of the last effect sought about the fit; `None` where that is no better.
+/// The fit with the levels of its last effect sought; `None` where that is no better.
 pub(super) fn along_levels(data: &Data, fit: &Fit) -> Option<Fit> {
     let j = fit.candidate.effects.len().checked_sub(1)?;
     let parameters = fit.candidate.effects[j].kind.definition().parameters.iter();
@@ -91,7 +96,8 @@ pub(super) fn along_levels(data: &Data, fit: &Fit) -> Option<Fit> {
     (best.cost < fit.cost).then_some(best)
 }
 
-/// Coordinate search over the parameters `indices` of effect `j`: on by each ratio, up and down, as long as it gets better.
+/// Coordinate search over the parameters `indices` of effect `j`. A parameter moves up and down by each ratio, as long
+/// as the fit improves.
 fn along(problem: &Problem<'_>, mut best: Fit, j: usize, indices: &[usize], ratios: &[f64]) -> Fit {
     let parameters = best.candidate.effects[j].kind.definition().parameters;
     for &ratio in ratios {

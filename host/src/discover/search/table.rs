@@ -1,4 +1,4 @@
-//! What the search says of the effects that it tried.
+//! The effects that the search tried, as the report shows them.
 
 use breakaway_core::plant::{Effect, Kind};
 
@@ -10,10 +10,10 @@ use crate::fit::{Candidate, Covariance, Fit, Free};
 use crate::model::catalogue::unit;
 use crate::recording::Units;
 
-/// Rivals that are listed.
+/// Most rivals that are listed.
 const RIVALS: usize = 5;
 
-/// The effects of a round that come close to `own`, which the fit has.
+/// The effects of a round that come closest to `own`, which is in the fit `winner`.
 pub(super) fn rivals(round: &Round, winner: &Fit, own: Kind) -> Vec<Rival> {
     let others = round.tried.iter().filter(|tried| tried.kind != own);
     let mut rivals: Vec<Rival> = others
@@ -30,7 +30,7 @@ pub(super) fn rivals(round: &Round, winner: &Fit, own: Kind) -> Vec<Rival> {
     rivals
 }
 
-/// What became of every effect of a round of which `named` was named with these rivals.
+/// The fate of every effect of a round, in which `named` was named with these rivals.
 pub(super) fn table(round: &Round, named: Option<Kind>, rivals: &[Rival]) -> Vec<CandidateRow> {
     let winner = round.tried.iter().find(|tried| Some(tried.kind) == named).and_then(|tried| tried.fit.as_ref().ok());
     let fate = |kind: Kind, fit: &Fit| {
@@ -64,8 +64,8 @@ pub(super) fn table(round: &Round, named: Option<Kind>, rivals: &[Rival]) -> Vec
     round.tried.iter().map(|tried| row(tried.kind, &tried.fit)).collect()
 }
 
-/// The effect that comes closest where none is named, said with its parameters: its likelihood suffices, and the segments or
-/// the held-out data do not bear it out. Of several that are tied it is the simplest, and the others are said.
+/// The effect that comes closest where none is named, in words with its parameters. Its likelihood suffices, and the
+/// segments or the held-out data do not bear it out. It is the simplest of those tied, which are listed too.
 pub(super) fn nearest(round: &Round, units: &Units) -> Option<String> {
     let Round { data, without, tried } = round;
     let enough = |fit: &Fit| {
@@ -97,7 +97,7 @@ pub(super) fn nearest(round: &Round, units: &Units) -> Option<String> {
     ))
 }
 
-/// What is free, or differs from its default, of effect `j`; with its standard errors where `errors` are given.
+/// The parameters of effect `j` that differ from a default or have none. Standard errors are given with `errors`.
 pub(in crate::discover) fn parameters(
     model: &Candidate,
     j: usize,
@@ -113,7 +113,7 @@ pub(in crate::discover) fn parameters(
             unit: unit(p.unit, units),
             meaning: p.meaning,
             value: effect.p[i],
-            // What is held, a whole number of waves, has no error.
+            // A whole number of waves is held, and has no standard error.
             se: errors.and_then(|errors| errors.standard_error(Free::Effect(j, i))).unwrap_or(f64::NAN),
         })
         .collect()

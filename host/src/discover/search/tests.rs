@@ -1,4 +1,4 @@
-//! What is named, preferred, tied and said, on fits made up so that every number is known.
+//! What is named, preferred, tied and listed. The fits are made up, so that every number is known.
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
@@ -12,7 +12,7 @@ use crate::fit::{Candidate, Fit, Free};
 const SEGMENTS: usize = 50;
 /// Effective samples of a segment.
 const SAMPLES: f64 = 20.0;
-/// Logarithm of the current model's mean square over the noise's.
+/// Logarithm of the current model's mean square and the noise's, over the noise's.
 const CURRENT: f64 = 10.0;
 
 fn data() -> Data {
@@ -31,9 +31,9 @@ fn data() -> Data {
     }
 }
 
-/// A fit that gains `gain` over the current model in the mean of the logarithm, and `wobble` more or less than that in one
-/// segment and the next. Two fits with gains and wobbles that differ by g and w > 0 compare with a z of 7·g/w, and the fifty
-/// segments without the two best have a likelihood ratio of 10·(48·g − 2·w).
+/// A fit that gains `gain` over the current model in the mean of the logarithm. Segments gain `wobble` more and less
+/// than that, in turns. Two fits whose gains differ by g, and wobbles by w > 0, compare with a z of 7·g/w. Without the
+/// two best of the fifty segments their likelihood ratio is 10·(48·g − 2·w).
 fn fit(effects: Vec<Effect<f64>>, gain: f64, wobble: f64) -> Fit {
     let square = |i: usize| (CURRENT - gain - if i.is_multiple_of(2) { wobble } else { -wobble }).exp() - 1.0;
     Fit {
@@ -54,7 +54,7 @@ fn current() -> Fit {
 
 const PARAMETERS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// As many parameters as there are beside those with a default.
+/// An effect with a value for every parameter that has no default.
 fn effect(kind: Kind) -> Effect<f64> {
     let needed = kind.definition().parameters.iter().filter(|p| p.default.is_none()).count();
     Effect::new(kind, &PARAMETERS[..needed])
@@ -77,7 +77,7 @@ fn kinds(tried: &[Tried]) -> Vec<Kind> {
     round.preference().iter().map(|i| tried[*i].kind).collect()
 }
 
-/// The numbers that the other tests count on.
+/// The numbers that the other tests use.
 #[test]
 fn the_made_up_fits_compare_as_said() {
     let p = paired(&current().mse, &fit(Vec::new(), 0.2, 0.4).mse, &[SAMPLES; SEGMENTS], 1.0);
@@ -88,7 +88,7 @@ fn the_made_up_fits_compare_as_said() {
     assert_eq!(parameters, [1, 2, 3, 4]);
 }
 
-/// Two parameters cost 7: with a likelihood of 25 + 7 asked, 31 is too little and 33 is enough.
+/// Two parameters cost 7 nats. A likelihood of 25 + 7 is asked: 31 is too little, and 33 is enough.
 #[test]
 fn evidence_pays_for_its_parameters() {
     let evidence = |gain| names(&data(), &current(), &fit(vec![effect(Kind::Stribeck)], gain, gain));
@@ -106,8 +106,9 @@ fn better_is_by_most_segments_or_beyond_doubt() {
     assert!(better(1.3, 107.1, 2) && !better(1.3, 107.0, 2) && !better(1.2, 107.1, 2));
 }
 
-/// A second body's start is free in every segment: it comes after a law that is tied with it, with more parameters or fewer, and
-/// after one that is behind by less than a nat for each of the fifty segments. Among bodies the order is as of others.
+/// A second body's start is free in every segment. So it comes after a law that is tied with it, with more parameters
+/// or fewer. It also comes after a law that is behind by less than a nat for each of the fifty segments. Two bodies
+/// compare as other laws do.
 #[test]
 fn a_second_body_is_not_preferred_where_another_law_does_as_well() {
     let first = |all: &[Tried]| kinds(all)[0];
@@ -120,14 +121,14 @@ fn a_second_body_is_not_preferred_where_another_law_does_as_well() {
     assert_eq!(first(&[body(), tried(Kind::FlexibleCoupling, 0.210, 0.3)]), Kind::Backlash);
 }
 
-/// Of those tied with the best the simplest comes first; the others keep the order of their costs; what has no evidence is left
-/// out, and no more than four are considered.
+/// The simplest of those tied with the best comes first. The others keep the order of their costs. Effects without
+/// evidence are left out, and four are considered at most.
 #[test]
 fn the_simplest_of_those_tied_is_preferred() {
     let all = [
         tried(Kind::LuGre, 0.300, 0.3),
         failed(Kind::Backlash),
-        // A z of .35 behind, with two parameters less; then likelihoods of 96 and more behind.
+        // It is behind by a z of .35, with two parameters less. The next are behind by likelihoods of 96 and more.
         tried(Kind::Stribeck, 0.295, 0.2),
         tried(Kind::QuadraticDrag, 0.100, 0.3),
         tried(Kind::ConstantLoad, 0.001, 0.3),
@@ -139,8 +140,8 @@ fn the_simplest_of_those_tied_is_preferred() {
     assert!(kinds(&all[4..5]).is_empty());
 }
 
-/// What has fewer parameters may be worse by their price: three of them are worth 10.5, so a likelihood of 14 behind is as good,
-/// and one of 24 is not. Nor is one of 14 without fewer.
+/// A law with fewer parameters may be worse by their price. Three of them are worth 10.5 nats beside the 8 of a better
+/// model. So a likelihood of 14 behind is as good, and one of 24 is not. Without fewer parameters 14 is too much.
 #[test]
 fn fewer_parameters_may_be_worse_by_their_price() {
     let first = |gain, kind| {
@@ -153,7 +154,8 @@ fn fewer_parameters_may_be_worse_by_their_price() {
     assert!(equal(7.0) && !equal(14.0));
 }
 
-/// Beside the preferred model the beam keeps the one that most segments bear out, whatever its likelihood; no second body.
+/// Beside the preferred model the beam keeps the one that most segments bear out, whatever its likelihood. It is no
+/// second body.
 #[test]
 fn the_second_of_the_beam_has_the_greatest_z() {
     let all = [
@@ -169,8 +171,8 @@ fn the_second_of_the_beam_has_the_greatest_z() {
     assert_eq!(round(&all[4..]).second(Kind::LuGre), None);
 }
 
-/// In the place of a law: what it is confused with, in either direction, its special cases and what has it as one; at the noise
-/// nothing that would only fit that.
+/// A law gives its place to what it may be confused with, in either direction. Special cases count, also in either
+/// direction. At the noise it gives none to a law that would only fit the noise.
 #[test]
 fn what_may_be_confused_is_swapped() {
     assert_eq!(confusable(Kind::Delay, true), [Kind::ElectricalLag]);
@@ -183,7 +185,7 @@ fn what_may_be_confused_is_swapped() {
     assert!(!confusable(Kind::ConstantLoad, true).contains(&Kind::Cogging));
 }
 
-/// One way round only: what the named law is confused with, unless that has the named law as a special case.
+/// A law resembles another that it may be confused with, unless the other has it as a special case.
 #[test]
 fn what_resembles_is_confused_and_not_more_general() {
     assert!(Kind::Cogging.resembles(Kind::TimePeriodic) && Kind::LuGre.resembles(Kind::Dahl));

@@ -1,4 +1,4 @@
-//! What a model must show on data that it was not fitted to before its effects are named.
+//! The conditions on data that were not fitted, under which the effects of a model are named.
 
 use super::Search;
 use super::compare::{names, names_further};
@@ -7,9 +7,9 @@ use crate::discover::gap::{Gap, LEAST_TOTAL};
 
 /// Why a model is not named.
 pub(super) enum Refusal {
-    /// One of its effects is not: which, and why.
+    /// One of its effects is not named: which, and why.
     Effect(usize, String),
-    /// All of them are not.
+    /// None of its effects is named.
     Model(&'static str),
 }
 
@@ -20,7 +20,7 @@ impl Search<'_> {
             let round = self.contested(node, j)?;
             node.contests[j] = Some(round.clone());
             let before = if node.added() == 1 { self.base.gap } else { Gap::of(self.data, &round.without) };
-            // What real impacts leave of idealised ones looks like many an effect.
+            // Real impacts leave something beside idealised ones, which looks like many an effect.
             let impacts = node.kinds().iter().enumerate().any(|(i, kind)| i != j && kind.gap().is_some());
             let further =
                 || !impacts && !before.only_outliers() && names_further(&round.data, &round.without, &node.fit);
@@ -41,12 +41,12 @@ impl Search<'_> {
         if base.leaves(&node.gap, LEAST_TOTAL) {
             return Some(Refusal::Model("leave most of the gap"));
         }
-        // The typical segment may become better while those that diverge grow.
+        // The typical segment may become better while diverging segments become worse.
         (!node.gap.shrinks(base)).then_some(Refusal::Model("widen the gap"))
     }
 
-    /// The model that is named, the base if none is. Those down to the noise come first, by the number of their effects, and the others
-    /// by what they leave.
+    /// The model that is named, the base if none is. Models at the noise come first, by the number of their effects.
+    /// The others are ordered by the logarithmic gap that they leave.
     pub(super) fn chosen(&mut self, mut nodes: Vec<Node>) -> Node {
         let base = self.base.gap;
         while !nodes.is_empty() {

@@ -1,4 +1,4 @@
-//! Derivatives against central differences: of the elementary functions, and of a simulated motion.
+//! Derivatives against central differences, of the elementary functions and of a simulated motion.
 
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant, State};
 
@@ -6,8 +6,8 @@ use super::*;
 
 const STEP: f64 = 1e-6;
 
-/// Every operation at a generic point. Central differences of step h are good to h² = 1e-12 of the third derivative
-/// and to rounding, 1e-16/h = 1e-10; a gradient is in single precision, good to some of its steps of 6e-8.
+/// Every operation at a generic point. Central differences of step h are good to h² = 1e-12 of the third derivative,
+/// and to rounding, 1e-16/h = 1e-10. A gradient is in single precision, good to a few of its steps of 6e-8.
 #[test]
 fn elementary_functions() {
     type Function<R> = fn(R, R) -> R;
@@ -58,7 +58,7 @@ fn drive(k: usize) -> f64 {
     [2.0, -1.5, 0.2, -2.5, 1.0, 0.0][k / 60 % 6]
 }
 
-/// Positions of 360 samples of 1 ms; parameters b, c, f1, x0, v0, and the Stribeck friction's s and vs.
+/// Positions of 360 samples of 1 ms. The parameters are b, c, f1, x0, v0, and the Stribeck friction's s and vs.
 fn motion<R: Real>(p: [R; 7]) -> Vec<R> {
     let effects = [Effect { kind: Kind::Stribeck, p: Effect::new(Kind::Stribeck, &[0.2, 0.5]).p.map(R::from_f64) }];
     let mut effects = effects;
@@ -76,8 +76,8 @@ fn motion<R: Real>(p: [R; 7]) -> Vec<R> {
         .collect()
 }
 
-/// One simulation with dual numbers gives what fourteen of them give by differences, through three reversals and a rest.
-/// They differ by the rounding of single precision, 6e-8 in each of some hundred operations that depend on one another: 1e-5 of the
+/// One simulation with dual numbers gives the same as fourteen by differences, through reversals and a rest. They
+/// differ by the rounding of single precision. That is 6e-8 in each of some hundred dependent operations: 1e-5 of the
 /// largest derivative.
 #[test]
 fn sensitivities_of_a_motion_with_reversals_and_stick() {

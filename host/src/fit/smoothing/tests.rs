@@ -8,9 +8,9 @@ use crate::fit::Track;
 use crate::fit::settings::HALF_WIDTH_S;
 use crate::recording::{Recording, Units};
 
-/// The slope at either end of a resting axis has the deviation of a parabola over 21 samples, 1.5·σ/h for many samples and 1.42
-/// by the sums of these 21 (a one-sided cubic over 11 has 10·σ/h). 200 records give it to 10 %, three of its own deviations
-/// over 400 ends.
+/// The slope at either end of a resting axis has the deviation of a parabola over 21 samples. That is 1.5·σ/h for many
+/// samples, and 1.42·σ/h by the sums of these 21. A one-sided cubic over 11 has 10·σ/h. 200 records give it to 10 %,
+/// three of its own deviations over 400 ends.
 #[test]
 fn a_resting_axis_seems_to_rest_at_the_ends_too() {
     const SIGMA: f64 = 1e-3;

@@ -115,7 +115,7 @@ struct Window {
     acceleration: f64,
 }
 
-/// Windows in motion without a reversal, in each of which the wave turns by no more than [`MOST_WAVE_RAD`].
+/// Windows in motion without a reversal. The wave turns by at most [`MOST_WAVE_RAD`] in each.
 fn windows(track: &Track, wave: f64) -> Vec<Window> {
     let half_s = (HALF_WAVE_RAD / (wave * track.typical_speed)).min(LONGEST_S);
     let half = ((half_s / track.ts).round() as usize).max(FEWEST_SAMPLES);

@@ -7,3 +7,4 @@ mod capture;
 mod peer;
 mod port;
 mod run;
+mod share;

@@ -3,8 +3,9 @@
 use breakaway_core::control::{Adaptation, Adaptive, Estimates, Gains, Ideal, Setpoint};
 use breakaway_tests::adaptive::{FIGURES, Loop, PAPER, rms};
 
-/// The smooth loop in which V can be measured: `sgn v` of plant and law is tanh(v/ε), as in the evidence for the errata
-/// (`tests/errata/adaptive.rs`, where the law is written out in continuous time; here it is the core's, sampled).
+/// The smooth loop in which V can be measured: `sgn v` of plant and law is tanh(v/ε). The evidence for the errata has
+/// the same loop (`tests/tests/all/errata/adaptive.rs`). There the law is written out in continuous time; here it is the
+/// core's, which is sampled.
 struct Smooth {
     law: Adaptive<f64>,
     /// Signs of the laws of b̂, ĉ, f̂1, f̂.

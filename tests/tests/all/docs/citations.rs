@@ -9,7 +9,7 @@ use super::commands::root;
 const NOT_SOURCE: [&str; 3] = ["target", ".git", "corpus"];
 
 /// Source files below a folder.
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap().flatten() {
         let (path, name) = (entry.path(), entry.file_name());
         if path.is_dir() && !NOT_SOURCE.iter().any(|folder| name == *folder) {

@@ -1,18 +1,18 @@
-//! Pages are read once: no sentence is longer than a person follows.
+//! Pages and comments are read once: no sentence is longer than a person follows.
+
+use std::fs;
 
 use breakaway::command::Cli;
 use breakaway_tests::sentences::{self, MOST_WORDS};
 use clap::CommandFactory as _;
 
-use super::commands::pages;
-
-/// Pages with longer sentences: their text is that of the measurements that they report.
-const LONGER: [&str; 4] = ["docs/benchmarks.md", "docs/blind.md", "docs/discovery.md", "docs/machines.md"];
+use super::citations::sources;
+use super::commands::{pages, root};
 
 /// A longer sentence has two things to say: make it two.
 #[test]
 fn sentences_have_at_most_25_words() {
-    let pages: Vec<_> = pages().into_iter().filter(|(page, _)| !LONGER.contains(&page.as_str())).collect();
+    let pages = pages();
     assert!(pages.len() >= 20, "only {} pages were found", pages.len());
     let found = |(page, text): &(String, String)| -> Vec<String> {
         let long = sentences::long(text);
@@ -55,5 +55,27 @@ fn help_has_sentences_of_at_most_25_words() {
         sentences::long(text).iter().map(|long| format!("{command}: {} words: {}", long.words, long.text)).collect()
     };
     let long: Vec<String> = texts.iter().flat_map(found).collect();
+    assert!(long.is_empty(), "more than {MOST_WORDS} words:\n{}", long.join("\n"));
+}
+
+/// A comment is read beside its code, by someone who has little time for either.
+#[test]
+fn comments_have_sentences_of_at_most_25_words() {
+    const FOLDERS: [&str; 6] = ["bench", "core", "fuzz", "host", "tests", "xtask"];
+    // Longer ones are left in these.
+    const LEFT_OUT: [&str; 1] = ["core/src/control"];
+    let mut files = Vec::new();
+    for folder in FOLDERS {
+        sources(&root().join(folder), &mut files);
+    }
+    files.retain(|file| LEFT_OUT.iter().all(|folder| !file.starts_with(root().join(folder))));
+    files.retain(|file| file.extension().is_some_and(|kind| kind == "rs"));
+    assert!(files.len() >= 400, "only {} sources were found", files.len());
+    let mut long = Vec::new();
+    for file in files {
+        let place = file.strip_prefix(root()).unwrap_or(&file).display().to_string();
+        let found = sentences::long_in_comments(&fs::read_to_string(&file).unwrap());
+        long.extend(found.iter().map(|long| format!("{place}:{}: {} words: {}", long.line, long.words, long.text)));
+    }
     assert!(long.is_empty(), "more than {MOST_WORDS} words:\n{}", long.join("\n"));
 }

@@ -133,8 +133,9 @@ fn erratum_09_the_bracket_excludes_the_frequency() {
     assert!((ours.omega_rad_s / exact.omega_rad_s - 1.0).abs() < 1e-9, "{}", ours.omega_rad_s);
 }
 
-/// Largest relative error of A over all phases, for a dc of 0.3 A and this many cycles at 100 samples per cycle; without
-/// the dc column the memo's cost, minimised on a grid of its own bracket (0.5..2 times the truth, steps of 5e-4).
+/// Largest relative error of A over 36 phases, for a dc of 0.3 A and so many cycles at 100 samples per cycle. The
+/// memo's cost has no dc column. It is minimised on a grid of the memo's bracket, 0.5..2 times the truth in steps of
+/// 5e-4.
 fn worst_amplitude_without_dc(cycles: f64) -> f64 {
     (0..36)
         .map(|k| {

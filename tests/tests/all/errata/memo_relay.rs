@@ -76,9 +76,9 @@ fn erratum_14_f2_does_not_scale_with_time() {
     assert!((slow.f2 / fast.f2 - 1.0).abs() < 1e-9, "{} {}", slow.f2, fast.f2);
 }
 
-/// Erratum 15: "Kp and Tp are correctly identified" as 9.1536 and .2446, where the text's plant has 10 and .2685: they
-/// are the effective 1/c = 9.0909 and b/c = .24409, viscous friction included. On data of the describing function the
-/// listing gives exactly those, and f2 = 0 whatever f2 is (1e-9: its equations are solved by differences).
+/// Erratum 15: "Kp and Tp are correctly identified" as 9.1536 and .2446, where the text's plant has 10 and .2685. They
+/// are the effective 1/c = 9.0909 and b/c = .24409, which include the viscous friction. On data of the describing
+/// function the listing gives exactly those, and f2 = 0 whatever f2 is (1e-9: its equations are solved by differences).
 #[test]
 fn erratum_15_the_identified_gain_is_the_effective_one() {
     let found = memo_listing([(2.0, 1.5), (5.0, 4.0), (4.0, 3.5)].map(|(h1, h2)| predicted_experiment(h1, h2)));

@@ -5,8 +5,9 @@ use super::adaptive::{
     start, step,
 };
 
-/// Errata 27, 28, 29 and row 15's principle: with the corrected laws V only falls (the sum of its increases over V0 is
-/// integration error); with one sign flipped, with |v| for v, or with eq. 31 as printed it rises by more than 1e-2 of V0.
+/// Errata 27, 28, 29 and row 15's principle. With the corrected laws V only falls: the sum of its increases over V0 is
+/// integration error. With one sign flipped, with |v| for v, or with eq. 31 as printed it rises by more than 1e-2 of
+/// V0.
 #[test]
 fn errata_27_to_29_v_falls_for_the_corrected_laws_only() {
     let right = increases(&CORRECT);
@@ -89,8 +90,8 @@ fn erratum_30_s_delta() {
     }
 }
 
-/// Erratum 31: eq. 24's f̂·sgn(s_Δ) jumps from 0 to f̂ where |s| passes δ, the very chatter that the boundary layer is
-/// there to avoid; f̂·sat(s/δ) is continuous, and s_Δ·sat(s/δ) = |s_Δ| serves the proof as well.
+/// Erratum 31: eq. 24's f̂·sgn(s_Δ) jumps from 0 to f̂ where |s| passes δ. The boundary layer is there to avoid just
+/// that chatter. f̂·sat(s/δ) is continuous, and s_Δ·sat(s/δ) = |s_Δ| serves the proof as well.
 #[test]
 fn erratum_31_sgn_jumps_at_the_boundary() {
     let sgn = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
@@ -99,8 +100,9 @@ fn erratum_31_sgn_jumps_at_the_boundary() {
     assert!((sat(above / DELTA) - sat(below / DELTA)).abs() < 1e-8);
 }
 
-/// Erratum 32: "V̇ < 0". Within δ V̇ is 0, with V > 0: from a start at rest the loop spends time there, V stands still to rounding, and
-/// the parameters stay wrong. (That V̇ → 0, eq. 38, does not follow from eq. 37 alone either: see docs/theory.md.)
+/// Erratum 32: "V̇ < 0". Within δ V̇ is 0, with V > 0. From a start at rest the loop spends time there. V then stands
+/// still to rounding, and the parameters stay wrong. (That V̇ → 0, eq. 38, does not follow from eq. 37 alone either:
+/// see docs/theory.md.)
 #[test]
 fn erratum_32_v_does_not_fall_within_delta() {
     let (mut rests, mut change, mut wrong) = (0, 0.0_f64, f64::INFINITY);

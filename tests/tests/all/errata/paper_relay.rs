@@ -151,8 +151,8 @@ fn erratum_22_section_4_does_not_follow_from_equation_17() {
     }
 }
 
-/// docs/theory.md section 2: what the describing function predicts, against exact limit cycles: ω 4 to 6 % low, a 9 to
-/// 11 % high (bounds, not tolerances: the error is the neglected harmonics').
+/// docs/theory.md section 2: the describing function predicts ω 4 to 6 % too low, and a 9 to 11 % too high, against
+/// exact limit cycles. These are bounds and no tolerances: the neglected harmonics make the error.
 #[test]
 fn theory_prediction_against_exact_cycles() {
     for (h1, h2) in [(2.0, 1.5), (1.0, 0.7), (2.5, 2.0), (5.0, 4.0), (4.0, 3.5)] {

@@ -14,8 +14,9 @@ fn erratum_24_b_lacks_the_mass() {
     assert!((SLIDE_KG * without_mass - 0.0843).abs() < 5e-5);
 }
 
-/// Erratum 25: f1 = f2 = 10 beside a = −10.5 V·s/m cannot be volts as eq. 7 has it; they are newtons, 10·R/Kf = 1.429 V. The initial
-/// values say so: in newtons 1 V is 1/.1429 = 6.9979 (Fig. 9) and 1.4 V is 9.7971 (Fig. 10), digit for digit.
+/// Erratum 25: f1 = f2 = 10 beside a = −10.5 V·s/m cannot be volts as eq. 7 has it. They are newtons, 10·R/Kf = 1.429
+/// V. The initial values agree digit for digit. In newtons 1 V is 1/.1429 = 6.9979 (Fig. 9), and 1.4 V is 9.7971 (Fig.
+/// 10).
 #[test]
 fn erratum_25_friction_is_in_newtons() {
     assert!((1.0_f64 / 0.1429 - 6.9979).abs() < 5e-5);
@@ -23,9 +24,10 @@ fn erratum_25_friction_is_in_newtons() {
     assert!((10.0_f64 * RESISTANCE_OHM / FORCE_CONSTANT_N_A - 1.429).abs() < 5e-4);
 }
 
-/// Erratum 26: "length of travel 609.6 m" is 24 inches (the motor is an LS1-24) in mm; "armature inductance 2.2 mh"
-/// is mH: 2.2 H would make the electrical time constant 1.5 s, not "much smaller" than the mechanical b/Ke = 8 ms, but 180 times
-/// larger. With mH it is 1.5 ms, a fifth: small, but not negligible (an unmodelled pole of 1 ms costs f1 −3.6 %).
+/// Erratum 26: "length of travel 609.6 m" is 24 inches in mm, for the motor is an LS1-24. "Armature inductance 2.2 mh"
+/// is mH. 2.2 H would make the electrical time constant 1.5 s. That is not "much smaller" than the mechanical b/Ke = 8
+/// ms, but 180 times larger. With mH it is 1.5 ms, a fifth: small, but not negligible. An unmodelled pole of 1 ms costs
+/// f1 −3.6 %.
 #[test]
 fn erratum_26_travel_is_mm_and_inductance_mh() {
     assert!((24.0_f64 * 25.4 - 609.6).abs() < 1e-9);

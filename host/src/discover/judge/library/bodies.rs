@@ -6,7 +6,7 @@ use super::super::term::{Column, Name, Sign, Term};
 use super::super::weak_form::Field;
 use super::Library;
 
-/// Angular frequencies of second bodies that are tried.
+/// Points of the grid of a second body's angular frequencies.
 const BODIES: usize = 27;
 
 impl Library<'_> {
@@ -17,11 +17,12 @@ impl Library<'_> {
         }
         let longest = self.form.dataset.pieces.iter().map(|p| p.x.len() as f64 * p.h_s).fold(0.0, f64::max);
         let (low, high) = (6.0 / longest, 2.5 / self.form.half_width_s);
-        // Within these windows the fastest body is told from the motor by its phase alone: no name for the last of the grid.
+        // In these windows only the phase tells the fastest bodies from the motor. The last two of the grid are not
+        // tried.
         for i in 0..BODIES - 2 {
             let omega = low * (high / low).powf(i as f64 / (BODIES - 1) as f64);
             for zeta in [0.02, 0.1, 0.3, 0.7, 2.0] {
-                // Twice the critical damping is no resonance any more, but something that yields.
+                // A body of twice the critical damping does not ring: it is something that yields, and no resonance.
                 let name = if zeta > 1.0 { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
                 let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
                 term.u = vec![Column::displacement(self.load(omega, zeta))];
@@ -32,7 +33,7 @@ impl Library<'_> {
         terms
     }
 
-    /// Position of a load on the measured position by a spring and a damper, by the bilinear transform.
+    /// Position of a load that hangs on the measured position by a spring and a damper, by the bilinear transform.
     fn load(&self, omega: f64, zeta: f64) -> Field {
         let each = self.form.dataset.pieces.iter().map(|piece| {
             let k = 2.0 / piece.h_s;

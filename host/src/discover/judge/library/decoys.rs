@@ -1,4 +1,4 @@
-//! Columns that stand for something else.
+//! Columns of decoys: they stand for something that no name fits.
 
 use super::super::sides::rows;
 use super::super::term::{Column, Name, Term};
@@ -6,7 +6,7 @@ use super::super::weak_form::{Field, Sample, percentile};
 use super::{Library, MOST_PHASES};
 
 impl Library<'_> {
-    /// What stands for "something else".
+    /// The decoys. One with a column that is zero in all windows is left out.
     pub(super) fn decoys(&self) -> Vec<Term> {
         let form = self.form;
         let decoy = |name, fields| Term::force(Name::Decoy(name), fields);

@@ -1,11 +1,12 @@
-//! Laws of how the drive arrives.
+//! Terms of what happens to the drive on its way to the axis.
 
 use breakaway_core::plant::Kind;
 
 use super::super::term::{Arrival, Term};
 use super::{Library, effect};
 
-/// Shares of the drive that a friction by load may take: less is no friction of gears, and at all of it nothing would move.
+/// Shares of the drive that a friction by load may take. Gears take more than the least; beyond the most hardly
+/// anything would move.
 const LEAST_LOAD: f64 = 0.01;
 const MOST_LOAD: f64 = 0.9;
 

@@ -13,14 +13,14 @@ use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
 use super::weak_form::{Field, Sample, WeakForm, percentile};
 
-/// Lines of the spectrum that are tried.
+/// Strongest lines of a spectrum that are tried.
 const LINES: usize = 6;
-/// Windows from which a recording may have a phase of its own.
+/// Windows that a recording must exceed to have a phase of its own.
 const LEAST_ROWS: usize = 20;
 /// Most recordings that may each have a phase of their own.
 const MOST_PHASES: usize = 12;
 
-/// Whether columns of a window stand for an effect. What holds at rest, and what strikes, acts in less than a window.
+/// Whether columns of a window stand for an effect. Stiction and backlash act in less than a window, and have none.
 pub const fn weighs(kind: Kind) -> bool {
     !matches!(kind, Kind::Stiction | Kind::Backlash)
 }
@@ -35,11 +35,11 @@ pub struct Library<'a> {
     /// Side U's residual.
     residual: &'a [f64],
     weights: &'a [f64],
-    /// Acceleration that side A of the model predicts in every window.
+    /// Acceleration that side A of the model predicts in every window, position units/s².
     predicted_a: Vec<f64>,
     /// Radians in a position unit; `None` where the position is no angle.
     radians: Option<f64>,
-    /// Whether the windows are narrow enough for ripples: what is seen best in the narrowest is not sought in wider ones.
+    /// Whether ripples are sought: in all windows but the widest. Narrow windows show a ripple best.
     ripples: bool,
     travel: f64,
     largest_drive: f64,
@@ -70,7 +70,7 @@ impl<'a> Library<'a> {
         }
     }
 
-    /// Terms that are cheap and that hide others: tried in pairs.
+    /// Terms that are tried as the second of a pair. They are cheap, and may hide another effect.
     pub fn partners(&self) -> Vec<Term> {
         let mut terms = self.of_the_motion();
         terms.retain(|t| t.name != Name::Effect(Kind::Stribeck));
@@ -82,15 +82,30 @@ impl<'a> Library<'a> {
 
     /// Every term that may be tried beside the model.
     pub fn terms(&self) -> Vec<Term> {
+        let mut terms = self.of_effects(|_| true);
+        terms.extend(self.decoys());
+        terms
+    }
+
+    /// The terms of the wanted effects. A family without a wanted effect is not made, because spectra and second bodies
+    /// take most of the time.
+    pub fn of_effects(&self, wanted: impl Fn(Kind) -> bool) -> Vec<Term> {
+        let any = |kinds: &[Kind]| kinds.iter().copied().any(&wanted);
         let mut terms = self.of_the_motion();
-        if self.ripples {
+        if self.ripples && any(&position::SOUGHT) {
             terms.extend(self.periodic());
         }
-        terms.extend(self.bristles());
-        terms.extend(self.second_bodies());
+        if any(&[Kind::Dahl, Kind::LuGre]) {
+            terms.extend(self.bristles());
+        }
+        if any(&[Kind::FlexibleCoupling]) {
+            terms.extend(self.second_bodies());
+        }
         terms.extend(self.of_the_drive());
-        terms.extend(self.of_time());
-        terms.extend(self.decoys());
+        if any(&time::OF_TIME) {
+            terms.extend(self.of_time());
+        }
+        terms.retain(|term| !matches!(term.name, Name::Effect(kind) if !wanted(kind)));
         terms
     }
 
@@ -98,8 +113,8 @@ impl<'a> Library<'a> {
         self.form.field(f)
     }
 
-    /// Each of the fields within each recording that moves, and nothing in the others; `None` where that is one recording, or where
-    /// they are too many.
+    /// Each of the fields within each recording that moves, and 0 in the others. `None` where fewer than two recordings
+    /// move, or where there are more than [`MOST_PHASES`].
     pub(super) fn of_each_recording(&self, fields: &[Field]) -> Option<Vec<Field>> {
         let dataset = self.form.dataset;
         if !(2..=MOST_PHASES).contains(&dataset.recordings) {
@@ -114,7 +129,8 @@ impl<'a> Library<'a> {
         (moving.len() > 1).then(|| moving.iter().flat_map(|i| fields.iter().map(|f| own(*i, f))).collect())
     }
 
-    /// Whether the drive varies within the recordings: else a column that holds it predicts it for nothing.
+    /// Whether the drive varies within the recordings. Where it does not, a column that holds it would predict it for
+    /// nothing.
     pub(super) fn drive_varies(&self) -> bool {
         let (mut varied, mut total) = (0.0, 0.0);
         for recording in 0..self.form.dataset.recordings {

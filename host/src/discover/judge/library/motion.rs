@@ -66,7 +66,8 @@ impl Library<'_> {
         terms
     }
 
-    /// A bristle along the measured path, ±1 where it slides; with a Stribeck curve: its velocity and its rise.
+    /// A bristle along the measured path, ±1 where it slides. `stribeck` gives a Stribeck curve: its velocity, and its
+    /// rise as a share of the sliding force.
     fn bristle(&self, stroke: f64, stribeck: Option<(f64, f64)>) -> Field {
         let each = self.form.v.iter().zip(&self.form.dataset.pieces).map(|(v, piece)| {
             let mut z = 0.0;

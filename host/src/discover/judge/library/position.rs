@@ -2,24 +2,28 @@
 
 use breakaway_core::plant::Kind;
 
-use super::super::term::{Column, Shape, Term};
+use super::super::term::{Column, Name, Shape, Term};
 use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, peaks};
 use super::super::weak_form::{Field, Sample};
 use super::{LINES, Library, effect};
 
-/// Share of a ripple that must be left in a window for it to show it, and turns that must be shown: what is not seen twice is no
-/// ripple.
+/// Effects for which the spectra over position are made.
+pub(super) const SOUGHT: [Kind; 3] = [Kind::Cogging, Kind::EncoderEccentricity, Kind::PositionFriction];
+/// Least share of a ripple that a window must pass to show it, and least turns that must be shown. A ripple that is not
+/// seen twice is none.
 const LEAST_LEFT: f64 = 0.1;
 const LEAST_TURNS: f64 = 2.0;
 
 impl Library<'_> {
-    /// Sine and cosine of k·x with its wave number, see [`Self::waves`]; as loud as the samples show it.
+    /// Sine and cosine of k·x with its wave number, see [`Self::waves`]. They fade where the samples are too far apart
+    /// to show the ripple.
     fn ripple(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let audible_part = |s: Sample, wave: f64| part(s, wave * audible(k * s.v * s.h_s));
         self.waves(kind, k, audible_part).into_iter().map(|term| term.with(1, k)).collect()
     }
 
-    /// The same of one of so many lines, whose wave number was sought: what one recording does not show twice is no ripple of its own.
+    /// The same for a line of a spectrum of so many lines. Each recording has its own phase only where two turns of the
+    /// ripple are seen for each recording.
     fn sought(&self, kind: Kind, (k, of_lines): (f64, f64), part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let mut terms = self.ripple(kind, k, part);
         if self.turns_seen(k) < LEAST_TURNS * self.form.dataset.recordings as f64 {
@@ -28,7 +32,7 @@ impl Library<'_> {
         terms.into_iter().map(|term| Term { chosen_of: of_lines, ..term }).collect()
     }
 
-    /// Sine and cosine of k·x, with one phase, and with one for each recording.
+    /// Sine and cosine of k·x: one term with one phase, and one with a phase for each recording that moves.
     pub(super) fn waves(&self, kind: Kind, k: f64, part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let wave = |shift: f64| self.field(|s| part(s, (k * s.x + shift).sin()));
         let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
@@ -47,7 +51,7 @@ impl Library<'_> {
         std::iter::once(both.to_vec()).chain(self.of_each_recording(&both)).map(make).collect()
     }
 
-    /// Turns of a ripple that are seen: places, an eighth of a turn wide, that are passed slowly enough to show it.
+    /// Turns of a ripple that are seen. A turn is eight places; a place counts where the axis passes it slowly enough.
     fn turns_seen(&self, k: f64) -> f64 {
         let form = self.form;
         let mut places = std::collections::BTreeSet::new();
@@ -80,8 +84,79 @@ impl Library<'_> {
         }
         let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
         for k in lines.into_iter().filter(seen) {
-            terms.extend(self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave));
+            let friction = self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave);
+            if self.drive_varies() {
+                // A relay's drive has the sign of the motion. So a motor whose torque per drive ripples over position
+                // looks alike.
+                terms.extend(friction.iter().map(|term| self.ripple_of_the_gain(k, term)));
+            }
+            terms.extend(friction);
         }
         terms
+    }
+
+    /// A decoy beside a friction over position of wave number `k`: a gain of the drive with that wave.
+    fn ripple_of_the_gain(&self, k: f64, friction: &Term) -> Term {
+        let times = |drive: &Field| {
+            let wave =
+                |shift: f64| self.field(|s| drive[s.piece][s.k] * (k * s.x + shift).sin() * audible(k * s.v * s.h_s));
+            let both = [wave(0.0), wave(std::f64::consts::FRAC_PI_2)];
+            let each = if friction.own_zeros { self.of_each_recording(&both) } else { None };
+            each.unwrap_or_else(|| both.to_vec())
+        };
+        let columns = |drive: &Field| times(drive).into_iter().map(Column::force).collect();
+        let name = Name::Decoy("ripple of the gain");
+        Term { name, u: columns(&self.predicted), a: columns(&self.arrived), ..friction.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use breakaway_core::plant::Kind;
+
+    use super::super::super::ruling::{Ruling, rule};
+    use super::super::super::settings::Settings;
+    use super::super::super::term::Name;
+    use crate::recording::Recording;
+
+    /// Inertia, Coulomb friction, and waves in a radian of the ripple.
+    const B: f64 = 0.02;
+    const F1: f64 = 0.3;
+    const WAVES: f64 = 7.0;
+
+    /// 12 s at 500 Hz of an axis whose friction and whose torque per drive ripple by these shares, under sines of 1 and .6 V at 1.1 and
+    /// 2.9 Hz.
+    fn ruling([of_friction, of_gain]: [f64; 2]) -> Ruling {
+        let (mut x, mut v) = (0.0, 0.0_f64);
+        let mut recording = Recording::default();
+        for k in 0..6000 {
+            let t = 2e-3 * f64::from(k);
+            let u = (6.9 * t).sin() + 0.6 * (18.3 * t).sin();
+            recording.t.push(t);
+            recording.u.push(u);
+            recording.x.push(x);
+            for _ in 0..20 {
+                let wave = (WAVES * x).sin();
+                let (drive, friction) = (u * (1.0 + of_gain * wave), F1 * (1.0 + of_friction * wave));
+                let free = v + (drive - friction * v.signum() - 0.05 * v) / B * 1e-4;
+                // An axis that turns round rests until the drive is larger than the friction.
+                v = if free * v < 0.0 && drive.abs() <= friction { 0.0 } else { free };
+                x += v * 1e-4;
+            }
+        }
+        rule(&[recording], Some(1.0), &Settings::default()).unwrap()
+    }
+
+    /// A ripple of the friction by half is named. A ripple of the gain by a fifth is not: without its decoy it would be
+    /// friction over position.
+    #[test]
+    fn a_ripple_of_the_gain_is_no_friction() {
+        let friction = ruling([0.5, 0.0]);
+        let names: Vec<Kind> = friction.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert_eq!(names, [Kind::PositionFriction]);
+        let gain = ruling([0.0, 0.2]);
+        let names: Vec<Kind> = gain.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert!(names.is_empty(), "{names:?}");
+        assert!(matches!(gain.remainder.predictable, Some(Name::Decoy(_))), "{:?}", gain.remainder);
     }
 }

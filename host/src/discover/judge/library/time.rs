@@ -9,19 +9,14 @@ use super::super::wave_numbers::{Over, Peaks, peaks};
 use super::super::weak_form::Field;
 use super::{LINES, Library, effect};
 
-/// Parts of a session at whose ends the inertia may step.
+/// Effects of session time.
+pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
+/// Parts of a session. The inertia may step where one ends and the next begins.
 const INSTANTS: u32 = 24;
+/// Largest share of the samples in which a periodic force may be a harmonic of the drive. The others must show it.
+const MOST_HARMONIC: f64 = 0.5;
 
 impl Library<'_> {
-    /// Whether an angular frequency is a harmonic of the excitation: what repeats with the motion is told from a function of the
-    /// motion by nothing.
-    fn harmonic_of_the_drive(&self, omega: f64) -> bool {
-        self.form.dataset.fundamentals().iter().any(|(fundamental, cycles)| {
-            let order = omega / fundamental;
-            (order - order.round()).abs() < 1.5 / cycles && order.round() >= 1.0
-        })
-    }
-
     /// Effects of session time, where the recordings share a clock.
     pub(super) fn of_time(&self) -> Vec<Term> {
         let form = self.form;
@@ -43,7 +38,8 @@ impl Library<'_> {
         }
         let Peaks { lines, of_lines } = peaks(form, self.residual, self.weights, Over::Time, LINES);
         for omega in lines {
-            if self.harmonic_of_the_drive(omega) {
+            // What repeats with the motion is told from a function of the motion by nothing.
+            if form.dataset.harmonic_of_the_drive(omega) > MOST_HARMONIC {
                 continue;
             }
             let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());

@@ -1,10 +1,10 @@
-//! Rivals, the table of the first round, the nearest effect, and the parameters that are said.
+//! Rivals, the table of the first round, the nearest effect, and the parameters that are listed.
 
 use super::*;
 use crate::discover::search::table::{nearest, parameters, rivals, table};
 use crate::recording::Units;
 
-/// The closest first, five at most, without the named one and what could not be fitted.
+/// The closest come first, five at most. The named effect and those without a fit are left out.
 #[test]
 fn rivals_are_the_closest_five() {
     let all = [
@@ -26,8 +26,8 @@ fn rivals_are_the_closest_five() {
     assert!((found[0].delta - 0.01).abs() < 1e-5, "{found:?}");
 }
 
-/// More parameters that gain less than .001 are idle, and tie nothing; unless what has them is a look-alike. As many, or a
-/// gain, are tied.
+/// More parameters that gain less than .001 tie nothing, unless the two effects look alike. As many parameters are
+/// tied, and so are more that gain.
 #[test]
 fn idle_parameters_are_no_rivals() {
     let tied = |named: Kind, other: Kind, gained: f64| {
@@ -51,7 +51,7 @@ fn idle_parameters_are_no_rivals() {
     assert!(!tied(Kind::Dahl, Kind::LuGre, 0.0005));
 }
 
-/// Every fate of a candidate. Two parameters are asked for 25 + 2·3.5.
+/// Every fate of a candidate. For two parameters 25 + 2·3.5 is asked.
 #[test]
 fn the_table_says_what_became_of_each() {
     let all = [
@@ -78,12 +78,12 @@ fn the_table_says_what_became_of_each() {
     assert!(fates[4].starts_with("does no better") && rows.iter().zip(&all).all(|(row, tried)| row.kind == tried.kind));
     let none = table(&round(&all), None, &[]);
     assert_eq!([0, 3].map(|i| none[i].fate.as_str()), ["not the best"; 2]);
-    // With a likelihood of 33 the spring has evidence: two parameters, not five, are paid for.
+    // A likelihood of 33 is evidence for the spring: two parameters are paid for, not five.
     let enough = [tried(Kind::Dahl, 0.3, 0.3), tried(Kind::Spring, 33.0 / 460.0, 33.0 / 460.0)];
     assert_eq!(table(&round(&enough), None, &[])[1].fate, "not the best");
 }
 
-/// What comes closest: the simplest of those tied, with its parameters, and what does not bear it out.
+/// The nearest is the simplest of those tied. It is given with its parameters, and with what does not bear it out.
 #[test]
 fn the_nearest_is_said_with_its_parameters() {
     let said = |all: &[Tried]| nearest(&round(all), &Units::default());
@@ -108,7 +108,8 @@ fn the_nearest_is_said_with_its_parameters() {
     assert!(said(&[failed(Kind::Stribeck)]).is_none());
 }
 
-/// What is free is said, and what is held at another value than its default; a load beside the base has one number.
+/// Parameters without a default are listed, and others where they differ from it. A load beside the base has one
+/// number.
 #[test]
 fn parameters_at_their_default_are_not_said() {
     let units = Units { u: "A".to_owned(), x: "rad".to_owned() };
