@@ -35,6 +35,6 @@ pub use guard::Guards;
 pub use memory::remember_panic;
 pub use run::{RunLimits, RunOrder};
 pub use set_points::{SetPointInlet, SetPointOutlet};
-pub use thread::{App, Experiment, Identification, Identity, Planner, Wish, guards};
+pub use thread::{App, Experiment, Identification, Identity, Planner, PowerStage, Wish, guards};
 pub use tick::{Tick, TickSettings};
 pub use track::{Path, TrackController, TrackPlan};

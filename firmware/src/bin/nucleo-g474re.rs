@@ -5,8 +5,8 @@
 mod image {
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{
-        App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
-        remember_panic,
+        App, Channels, Identity, PositionController, PowerStage, Sums, Tick, TickSettings, TrackController, Wish,
+        guards, remember_panic,
     };
     use breakaway_firmware::board::RetainedRam;
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
@@ -36,6 +36,7 @@ mod image {
             tick_hz: TICK_HZ,
             drive_max_code: DRIVE_MAX_CODE,
             current_range_ma,
+            power_stage: PowerStage::Bridge,
         };
         defmt::info!("{=str} {=str}: {=u32} ticks/s", identity.board, identity.build, identity.tick_hz);
         if current_range_ma == 0 {

@@ -157,7 +157,9 @@ fn the_current_loop_follows_a_step() {
     assert!(currents[20..].iter().all(|now| (now - 500).abs() <= 2), "{currents:?}");
     bench.steps(5);
     let driven: Vec<_> = bench.samples.iter().filter(|sample| sample.mode == Mode::Drive).collect();
-    assert!(driven.len() > 90 && driven.iter().all(|sample| sample.drive_code == HALF), "{:?}", driven[0]);
+    // The last ones wait for their batch to be full.
+    assert!(driven.len() > 70, "{}", driven.len());
+    assert!(driven.iter().all(|sample| sample.drive_code == HALF), "{driven:?}");
 }
 
 /// 0.8 V into 2 Ω are 0.4 A, whatever is asked for: that is what is recorded.
@@ -192,6 +194,22 @@ fn a_current_loop_that_cannot_be_closed_is_refused() {
     // Settings from the flash of a board whose amplifier is gone: nothing starts.
     let mut bench = Bench::loaded([0; RETAINED_WORDS], Loaded::defaults(amperes()));
     assert_eq!(bench.command(Command::StartRelay(relay(2.0, 1.5, 0))), refused(Field::DriveUnit));
+}
+
+/// A simulated machine may have its drive in A, as its model has. It closes no loop, and refuses to be told of a winding.
+#[test]
+fn a_simulated_machine_takes_a_drive_in_amperes_as_it_is() {
+    let world = World { simulated: true, ..World::default() };
+    let mut bench = Bench::on(world, Loaded::defaults(settings()));
+    let machine = Settings { motor_resistance_ohm: 0.0, ..amperes() };
+    assert_eq!(bench.command(Command::SetSettings(machine)), Reply::Done);
+    let push = Push { drive_code: HALF, bounds: Bounds { max_ticks: 10, ..Bounds::default() } };
+    assert_eq!(bench.command(Command::Jog(push)), Reply::Done);
+    bench.steps(5);
+    assert_eq!(bench.world.0.borrow().drive, HALF);
+    bench.steps(20);
+    let refused = Reply::Error(CommandError::Settings(Field::DriveUnit));
+    assert_eq!(bench.command(Command::SetSettings(amperes())), refused);
 }
 
 /// Without a reading there is no loop, whether or not the current is limited.

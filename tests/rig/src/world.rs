@@ -57,6 +57,8 @@ pub struct World<P> {
     pub current_range_ma: u32,
     /// Level at which the board itself switches off, mA, as the application has set it.
     pub current_limit_ma: u32,
+    /// The drive is what the settings say.
+    pub simulated: bool,
     /// By how much each tick comes late, µs.
     pub late_us: u32,
     /// The drive fails.

@@ -6,7 +6,7 @@ use breakaway_core::link::{
     Request, SCHEMA, Settings, Status, Text, Track, Trajectory,
 };
 
-use super::{App, Experiment, Identity, Planner, Then, Waiting};
+use super::{App, Experiment, Identity, Planner, PowerStage, Then, Waiting};
 use crate::app::channels::Order;
 use crate::app::control::ControlPlan;
 use crate::app::excite::Excitation;
@@ -104,13 +104,16 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         Ok(())
     }
 
-    /// The current loop where the drive is a current, which must be one that is measured.
+    /// The current loop where the drive is a current, which must be one that is measured. What takes a drive in A as it is has none.
     #[inline(never)]
     fn current_plan(&self, settings: &Settings) -> Result<Option<<P::Plan as ControlPlan>::Current>, CommandError> {
         if settings.drive_unit != DriveUnit::Ampere {
             return Ok(None);
         }
-        let Identity { current_range_ma, tick_hz, .. } = self.identity;
+        let Identity { current_range_ma, tick_hz, power_stage, .. } = self.identity;
+        if power_stage == PowerStage::AsSet && settings.motor_resistance_ohm <= 0.0 {
+            return Ok(None);
+        }
         if current_range_ma == 0 {
             return Err(CommandError::Settings(Field::DriveUnit));
         }

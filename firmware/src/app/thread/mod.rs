@@ -40,6 +40,17 @@ pub struct Identity {
     /// Largest motor current that it measures either way, mA ([`crate::board::Protection::current_ma`]); 0: none is measured, and a
     /// limit of it is refused.
     pub current_range_ma: u32,
+    /// What its drive is.
+    pub power_stage: PowerStage,
+}
+
+/// What a power stage makes of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PowerStage {
+    /// A voltage: a drive in A needs the current loop, and with it a current that is measured.
+    Bridge,
+    /// What the settings say, as in a simulated machine: its drive has the unit of its model.
+    AsSet,
 }
 
 /// What the main loop should do after a poll.
