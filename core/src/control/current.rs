@@ -7,6 +7,9 @@
 //! u = kp·e + S      S⁺ = S + ki·e      kp = a·ωc·Ts·R/(1 − a)      ki = ωc·Ts·R
 //! ```
 //!
+//! Of the applied voltage S is `S⁺ = a·S + (1 − a)·u`, R times the current of a winding that has it. So it stays, where u is cut:
+//! the current then goes to its end as fast as the bridge lets it, without the slow pole a.
+//!
 //! With L = 0, not known, it is an integral alone. The back-EMF is a disturbance that S makes up for within L/R. The delay from the
 //! reading to the middle of the voltage's hold takes ωc·delay of the phase of 90° (docs/control.md, section "The current
 //! loop").
@@ -63,6 +66,8 @@ pub struct CurrentLoop<R> {
     proportional: R,
     /// ki, U per I and tick.
     integral: R,
+    /// 1 − a: the share of a cut voltage by which S goes back.
+    back: R,
 }
 
 /// What the loop remembers.
@@ -110,7 +115,9 @@ impl<R: Real> CurrentLoop<R> {
         let real = |value: F| R::from_f64(value.to_f64());
         // A pole at 1 within the number's digits is a winding without resistance beside its inductance.
         let proportional = if a < F::ONE { a * both / (F::ONE - a) } else { bandwidth * inductance * volt / ampere };
-        Ok(Self { proportional: real(proportional), integral: real(both) })
+        // ki/(kp + ki) is 1 − a, and never 0.
+        let back = real(both / (proportional + both));
+        Ok(Self { proportional: real(proportional), integral: real(both), back })
     }
 
     /// The voltage for a reference and a measured current; [`Self::update`] or [`Self::cut`] must follow.
@@ -127,11 +134,10 @@ impl<R: Real> CurrentLoop<R> {
         state.integral = state.pending;
     }
 
-    /// Ends a tick whose voltage was cut; `excess` is the applied one less the computed one. S goes back by it, to where this error
-    /// makes just the voltage that was applied.
+    /// Ends a tick whose voltage was cut; `excess` is the applied one less the computed one. S follows the applied one.
     #[inline]
     pub fn cut(&self, state: &mut CurrentLoopState<R>, excess: R) {
-        state.integral = state.pending + excess;
+        state.integral = state.pending + self.back * excess;
     }
 }
 

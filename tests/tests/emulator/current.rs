@@ -239,7 +239,9 @@ fn the_limits_of_the_current_hold_under_the_current_loop() {
     assert!(driven <= 2 * HALF_PERIOD, "driven for {} µs more", driven / 170);
 }
 
-/// From what the board streams of a relay experiment in V: R and Ke of the winding, and with them the viscous friction.
+/// From what the board streams of a relay experiment in V: R and Ke of the winding, and with them the viscous friction. The dead time
+/// of 0.25 µs in 50 takes 0.5 % of the voltage where the current is largest: that is R's bar, and twice it Ke's. The friction is c of
+/// 3 s less Ke: within its three standard errors.
 #[test]
 fn resistance_and_back_emf_are_in_what_the_board_streams() {
     needs_unicorn!();
@@ -269,12 +271,10 @@ fn resistance_and_back_emf_are_in_what_the_board_streams() {
     let viscous = mechanical(identified.best.c, found.back_emf);
     println!("{found:?}, c {:?}, viscous {viscous:?}", identified.best.c);
     let inductance = found.inductance.unwrap();
-    for (name, value, truth, share) in [
-        ("R", found.resistance.value, WINDING.resistance, 0.01),
-        ("Ke", found.back_emf.value, WINDING.back_emf, 0.02),
-        ("viscous", viscous.value, 0.11 - WINDING.back_emf, 0.05),
-        ("L", inductance.value, WINDING.inductance, 0.1),
-    ] {
-        assert!((value / truth - 1.0).abs() < share, "{name}: {value}");
-    }
+    assert!((found.resistance.value / WINDING.resistance - 1.0).abs() < 0.005, "{found:?}");
+    assert!((found.back_emf.value / WINDING.back_emf - 1.0).abs() < 0.01, "{found:?}");
+    // Too large by R times the delay from the sample to the voltage, at most half a tick.
+    let more = inductance.value - WINDING.inductance;
+    assert!((0.0..WINDING.resistance * 50e-6).contains(&more), "{inductance:?}");
+    assert!((viscous.value - 0.11 + WINDING.back_emf).abs() < 3.0 * viscous.se, "{viscous:?}");
 }

@@ -88,6 +88,7 @@ fn from_the_resistance_alone_it_is_slower_and_stable() {
 }
 
 /// At a voltage that only just suffices the integral does not wind up: after it the current does not overshoot more than without a limit.
+/// A reversal that is cut for some ticks has none of the slow pole a behind it: 20 ticks later 1 % is left, as of one that is not cut.
 #[test]
 fn the_integral_goes_back_by_what_is_cut_off() {
     let free = step::<f64>(WINDING, WINDING, 0.5, f64::INFINITY, 0.0);
@@ -95,14 +96,16 @@ fn the_integral_goes_back_by_what_is_cut_off() {
     let peak = |currents: &[f64]| currents.iter().copied().fold(0.0, f64::max);
     assert!(peak(&cut) <= peak(&free) + 1e-9, "{} {}", peak(&cut), peak(&free));
     assert!((cut[199] - 0.5).abs() < 1e-6);
-    // What cannot be reached is not asked for ever more: the integral stays at what is applied, less kp·e.
+    let reversed = step::<f64>(WINDING, WINDING, 1.8, 6.0, 0.0);
+    assert!(reversed[30..200].iter().all(|i| (i / 1.8 - 1.0).abs() < 0.01), "{:?}", &reversed[..40]);
+    // What cannot be reached is not asked for ever more: the integral goes to what is applied, within 70 time constants.
     let control = designed::<f64>(WINDING);
     let mut state = CurrentLoopState::default();
     for _ in 0..1000 {
         let u = control.drive(&mut state, 2.0, 0.5);
         control.cut(&mut state, 1.0 - u);
     }
-    assert!((state.integral + control.proportional * 1.5 - 1.0).abs() < 1e-9, "{}", state.integral);
+    assert!((state.integral - 1.0).abs() < 1e-9, "{}", state.integral);
 }
 
 /// The same step in f64, f32 and Q32: f32 has 24 bits of currents and voltages of about 1, Q32 2.3e-10.
