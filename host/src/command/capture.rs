@@ -21,6 +21,8 @@ use crate::interrupt::{FinishFirst, finish_first};
 const SILENCE: Duration = Duration::from_secs(3);
 /// How often the progress line changes.
 const REDRAW: Duration = Duration::from_millis(200);
+/// How long one look for samples lasts.
+const POLL: Duration = Duration::from_millis(50);
 
 /// Record what a board measures, until Ctrl-C
 #[derive(clap::Args, Debug)]
@@ -150,17 +152,18 @@ impl Args {
     ) -> Result<&'static str, DeviceError> {
         client.done(Command::StreamOn { decimation: self.decimation })?;
         let spinner = progress::spinner();
-        let (mut heard, mut drawn) = (Instant::now(), (Instant::now(), 0));
+        let (mut silence, mut drawn) = (Duration::ZERO, (Instant::now(), 0));
         loop {
+            let turn = Instant::now();
             if interrupt.requested() {
                 return Ok("Ctrl-C");
             }
-            match client.receive(Duration::from_millis(50))? {
+            match client.receive(POLL)? {
                 Some(Message::Samples(batch)) => {
                     if !capture.push(&batch, client.port())? {
                         return Ok("time up");
                     }
-                    heard = Instant::now();
+                    silence = Duration::ZERO;
                 }
                 Some(Message::Event(Event::Started)) => {
                     return Err(DeviceError::Restarted { port: client.port().to_owned() });
@@ -170,14 +173,15 @@ impl Args {
                     let text = format!("the board reports a fault: {}", text::fault(&fault));
                     spinner.suspend(|| console::note(text));
                 }
-                _ if heard.elapsed() > SILENCE => {
+                _ if silence > SILENCE => {
                     return Err(DeviceError::Silent {
                         port: client.port().to_owned(),
                         command: "stream on",
                         seconds: SILENCE.as_secs_f64(),
                     });
                 }
-                _ => {}
+                // Time in which this process was suspended says nothing about the board.
+                _ => silence += turn.elapsed().min(2 * POLL),
             }
             let (since, before) = (drawn.0.elapsed(), drawn.1);
             if since > REDRAW {

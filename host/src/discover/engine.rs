@@ -198,7 +198,7 @@ fn on_the_sensors_clock(request: &Request) -> (Request, Option<f64>) {
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise.
 /// There are none where all names repeat over position, because a simulated rotor is soon off by a tooth. Where random
 /// torque explains what is left, only effects that act in less than a window remain: the forces have weighed the
-/// others.
+/// others. They have not where they hardly tell the inertia, or where they see an effect that is too small to be named.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let ripples =
         !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
@@ -206,7 +206,9 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
         return Vec::new();
     }
     let remainder = &ruling.remainder;
-    let shaken = found.over_noise() > AT_THE_NOISE
+    let weighed = ruling.tells_inertia() && ruling.seen.is_empty();
+    let shaken = weighed
+        && found.over_noise() > AT_THE_NOISE
         && remainder.over_noise > SHAKEN
         && remainder.predictable.is_none()
         && remainder.significance < judge::settings::Settings::default().z;

@@ -1,7 +1,7 @@
 //! What a block of Thumb instructions costs: how many there are, and an estimate of the cycles from above.
 //!
 //! Cycles are those of the Cortex-M4's reference manual (instruction set summary), with the larger number where it gives
-//! two: a division takes 12, and a branch that is taken refills the pipeline in 2. Code in flash waits 4 states
+//! two. A division takes 12, and a branch that is taken refills the pipeline in 2. Code in flash waits 4 states
 //! (170 MHz, RM0440) for each 8 bytes, as if there were neither cache nor prefetch. Code in CCM SRAM does not wait.
 
 /// Wait states of the flash at 170 MHz (RM0440, number of wait states, range 1 boost).

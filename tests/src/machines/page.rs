@@ -239,7 +239,7 @@ mod tests {
             "| **total** | 3 | 1 | 1 | 1 | 0 | 1 of 2 right |",
             "| emps | all | asymmetric_viscous or constant_load | right | partly explained | asymmetric_viscous = \
              constant_load | b 2.70 (2.706) | – | 3.60e-3 → 3.84e-4 | 5.10e-3 m | 4.3 |",
-            "- frc-left, all: no window",
+            "- no window. Rows: frc-left, all.",
             "No row over all recordings yet: laas-sine, laas-speed, xl330,",
         ] {
             assert!(text.contains(line), "{line}\n{text}");

@@ -24,10 +24,14 @@ fn swing() -> Bench {
     bench
 }
 
-/// Breaks something: the last drive is within `ticks` of it, and half a period of the PWM, in which TIM1 acts.
+/// Breaks something: the last drive is within `ticks` of it, and half a period of the PWM, in which TIM1 acts. An accident
+/// that takes time, a halt, is not driven through: a board that goes on has the same time from there.
 fn breaks(bench: &mut Bench, ticks: u64, cause: FaultCause, accident: impl FnOnce(&mut Bench)) -> FaultRecord {
-    let at = bench.now();
+    let before = bench.now();
     accident(bench);
+    let at = bench.now();
+    let through = bench.machine.bus().driven_at.saturating_sub(before);
+    assert!(through <= TICK / 4, "{cause:?}: driven for {} ticks through it", through as f64 / TICK as f64);
     bench.until("the fault", 2000, |bench| bench.ended().is_some());
     bench.run(20 * MS);
     let record = bench.fault().expect("a latched fault");

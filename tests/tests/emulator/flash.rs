@@ -38,8 +38,8 @@ fn settings_and_model_are_kept() {
     assert!(matches!(bench.request(Command::GetModel), Reply::Model(Some(found)) if found == model()));
 }
 
-/// Power is cut in the middle of each operation of the third save: a page is half erased, or a word half programmed, which is an
-/// NMI when it is read. There are the old settings or the new, all of them, and no fault.
+/// Power is cut in the middle of each operation of the third save. A page is half erased, or a word is half programmed, and
+/// reading it raises an NMI. There are the old settings or the new, all of them, and no fault.
 #[test]
 fn power_that_fails_in_the_middle_of_a_save() {
     needs_unicorn!();

@@ -135,8 +135,8 @@ fn a_run_of_one_process_is_watched_and_stopped_by_others() {
     drop(guest);
 }
 
-/// The process that drives hangs. The link's time-out of this board is 20 s of its own time, 100 s of the host's: what ends
-/// the run is the stop, which goes past the process.
+/// The process that drives hangs. The link's time-out of this board is 20 s of its own time, 100 s of the host's.
+/// The stop, which goes past the process, ends the run.
 #[test]
 fn a_run_whose_process_hangs_is_stopped() {
     needs_qemu!();

@@ -14,7 +14,7 @@ use crate::device::{DeviceError, port};
 
 impl Client {
     /// Opens the port and shakes hands. Where another process of this program holds the port and shares it, the client is
-    /// its guest: it watches, and it can stop what is running ([`Client::is_guest`]).
+    /// its guest ([`Client::is_guest`]). A guest watches, and it can stop what is running.
     ///
     /// # Errors
     /// [`DeviceError`]: no such port, in use, no permission; no answer, garbage, another version.

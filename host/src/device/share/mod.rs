@@ -5,8 +5,8 @@
 //! link's own frames there, so a guest and a holder are the same [`Client`](super::Client).
 //!
 //! A guest gets every event and every sample that the holder gets. It may ask, stop what is running, and clear a
-//! fault ([`may`]); nothing else of it reaches the board. What keeps the time-out of a moving axis off is the holder's alone: a
-//! guest's questions after identity and status are answered from what the holder has heard last.
+//! fault ([`may`]); nothing else of it reaches the board. Only the holder keeps the time-out of a moving axis off.
+//! Where a guest asks for identity or status, it gets what the holder has heard last.
 //!
 //! A guest that does not read loses frames, as on a slow link, and never holds up the holder.
 
