@@ -208,7 +208,8 @@ fn a_relay_experiment_is_driven_by_currents() {
     }
     assert!(settled > 5000, "{settled}");
     let turned = run.iter().map(|sample| sample.count.abs()).max().unwrap();
-    assert!(turned > 100, "{turned} counts");
+    // It turns by some 60 mrad: the back-EMF has both signs, and is up to a tenth of R·i.
+    assert!(turned > 40, "{turned} counts");
 }
 
 /// The limit and the comparators hold with the current loop too: 0.5 A against a limit of 0.4 A ends the run after 1 ms, and a winding
