@@ -391,7 +391,7 @@ impl PositionController for Lost {
 
 #[test]
 fn a_controller_that_is_not_finite() {
-    assert_eq!(five_ticks(Lost(0), LostPlan), ([5000, 5000, 0, 0, 0], Mode::Fault, false));
+    assert_eq!(five_ticks(Lost(0), LostPlan), ([0, 5000, 5000, 0, 0], Mode::Fault, false));
 }
 
 /// The controller of the boards with a reference that is no number. It drove 0 and went on.
@@ -406,7 +406,7 @@ fn a_reference_that_is_not_finite() {
     }
 }
 
-/// Drive codes of the first five ticks of a run, and the mode and the bridge after them.
+/// Drive codes of the tick that starts a run and of four more, and the mode and the bridge after them.
 fn five_ticks<C: PositionController>(controller: C, plan: C::Plan) -> ([i16; 5], Mode, bool) {
     let world = Bench::new().world;
     let mut channels = Channels::new();

@@ -145,11 +145,13 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             let count = if self.guards.reversed { count.wrapping_neg() } else { count };
             self.take_order(count.wrapping_add(self.zero_offset));
             self.process_reading(count.wrapping_add(self.zero_offset), alive);
+            self.take_run(count.wrapping_add(self.zero_offset));
         } else {
             // No sample: a position that was not read must not be recorded.
             self.fail(FaultCause::EncoderError, 0, 0);
             self.last_count = None;
             self.take_order(0);
+            self.take_run(0);
         }
         self.send();
         let took_us = elapsed_us(start_us, self.board.clock().now_us());

@@ -1,4 +1,4 @@
-//! Orders, as the tick takes them: one per tick, and a run when there is none.
+//! Orders, as the tick takes them: one per tick, and after it a run when none is left.
 
 use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultCause, Mode};
 
@@ -13,12 +13,20 @@ use crate::app::run::{Run, RunLimits, RunOrder, Source};
 use crate::board::{Applied, Board, Drive, Protection, Retained, travel};
 
 impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
-    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    /// Takes an order, before anything is driven.
+    #[allow(clippy::inline_always, reason = "a comparison, in every tick of an image built for size")]
     #[inline(always)]
     pub(super) fn take_order(&mut self, count: i32) {
         if self.channels.orders.ready() {
             self.carry_out(count);
-        } else if self.channels.runs.ready() {
+        }
+    }
+
+    /// Starts a run, whose first drive is in the next tick: no tick copies a plan and computes a drive.
+    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    #[inline(always)]
+    pub(super) fn take_run(&mut self, count: i32) {
+        if self.channels.runs.ready() && !self.channels.orders.ready() {
             self.begin(count);
         }
     }
