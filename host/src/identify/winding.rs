@@ -36,7 +36,7 @@ pub fn winding(recordings: &[Recording]) -> Option<Winding> {
     if recordings.is_empty() || !recordings.iter().all(measured) {
         return None;
     }
-    let rows = (0..).map(|power| 4 << power).find(|rows| {
+    let rows = (2..24).map(|power| 1_usize << power).find(|rows| {
         let long = recordings.iter().any(|recording| *rows as f64 * median_tick(recording) > LONGEST_S);
         long || recordings.iter().all(|recording| moves(recording, *rows))
     })?;
@@ -94,7 +94,7 @@ fn windows(recording: &Recording, rows: usize) -> Vec<Window> {
             let (mut charge, mut impulse) = (0.0, 0.0);
             for k in start..end {
                 let tick = t[k + 1] - t[k];
-                charge += (i[k] + i[k + 1]) / 2.0 * tick;
+                charge += f64::midpoint(i[k], i[k + 1]) * tick;
                 impulse += u[k] * tick;
             }
             let row = Vector4::new(charge, x[end] - x[start], i[end] - i[start], t[end] - t[start]);

@@ -125,7 +125,9 @@ impl Recording {
         let mut columns = std::mem::take(&mut table.columns).into_iter();
         let [u, x, mut current] = std::array::from_fn(|_| columns.next().unwrap_or_default());
         if milliamperes {
-            current.iter_mut().for_each(|i| *i *= 1e-3);
+            for i in &mut current {
+                *i *= 1e-3;
+            }
         }
         if x.len() < MIN_ROWS {
             return Err(too_short);

@@ -31,9 +31,9 @@ fn step<R: Real>(design: Winding, truth: Winding, reference: f64, limit: f64, ba
         let u = control.drive(&mut state, R::from_f64(reference), R::from_f64(i)).to_f64();
         let applied = u.clamp(-limit, limit);
         if applied == u {
-            control.update(&mut state)
+            control.update(&mut state);
         } else {
-            control.cut(&mut state, R::from_f64(applied - u))
+            control.cut(&mut state, R::from_f64(applied - u));
         }
         let against = if k < 200 { 0.0 } else { back_emf };
         for (volts, share) in [(held, 0.25), (applied, 0.75)] {
