@@ -12,7 +12,7 @@ use breakaway_core::link::{FaultCause, Model, Settings};
 
 /// Version of what is stored. Raised when [`Settings`] or [`Model`] change on the wire. (1 was another format, which reads as
 /// damaged.)
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// What start-up found.
 #[derive(Clone, Debug, PartialEq)]

@@ -179,8 +179,8 @@ class Image(unittest.TestCase):
     def test_settings_are_kept_and_ticks_go_on_while_the_flash_is_erased(self):
         self.start()
         _, settings = self.link.ask(GET_SETTINGS)
-        # The last but the brake: which unit the drive has. The brake is switched on.
-        changed = settings[:-1] + b"\x01"
+        # Behind the brake are four numbers of 4 bytes. The brake is switched on.
+        changed = settings[:-17] + b"\x01" + settings[-16:]
         self.assertNotEqual(settings, changed)
         self.assertEqual(self.link.ask(SET_SETTINGS, changed)[0], DONE)
         for _ in range(3):

@@ -22,6 +22,7 @@
 mod adaptive;
 mod compensator;
 mod controller;
+mod current;
 mod drift;
 mod fast;
 mod margins;
@@ -34,6 +35,7 @@ mod tuning;
 pub use adaptive::{Adaptation, Adaptive, AdaptiveError, AdaptiveState, Estimates, Ideal, least_delta};
 pub use compensator::{Compensator, CompensatorError, Feed, lead_s};
 pub use controller::{ControlLaw, Controller, ControllerState, LimitedDrive};
+pub use current::{CurrentLoop, CurrentLoopError, CurrentLoopState, Winding};
 pub use drift::{BINS, Direction, DriftError, DriftSettings, DriftState, DriftWatch, ModelMismatch, Motion};
 pub use fast::Fast;
 pub use margins::{Margins, margins};

@@ -50,8 +50,8 @@ pub enum FaultCause {
     TickOverrun,
     /// No command for `command_timeout_ms` while moving (value: ms).
     LinkLost,
-    /// A protection of the power stage or of the controller (value: the board's number of it): over-current, over-temperature,
-    /// supply, clock.
+    /// A protection of the power stage or of the controller (value: the board's number of it): over-temperature, supply,
+    /// clock.
     BreakInput,
     /// The supply is missing or out of range (value: mV).
     Supply,
@@ -74,11 +74,16 @@ pub enum FaultCause {
     NotFinite,
     /// The emergency stop is open.
     EmergencyStop,
+    /// The current was above the level at which the board's own comparator switches off (value: mA in the tick that saw it, when it
+    /// may have fallen already; limit: mA of the level).
+    OverCurrent,
+    /// The current is limited, and what measures it is not there or contradicts itself.
+    CurrentSensor,
 }
 
 impl FaultCause {
     /// Every cause.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::EncoderFrozen,
         Self::EncoderJump,
         Self::EncoderError,
@@ -95,6 +100,8 @@ impl FaultCause {
         Self::ResetWhileDriven,
         Self::NotFinite,
         Self::EmergencyStop,
+        Self::OverCurrent,
+        Self::CurrentSensor,
     ];
 }
 

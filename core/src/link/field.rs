@@ -33,7 +33,7 @@ fields! {
     TravelMin "travel_min_counts" "below travel_max_counts",
     TravelMax "travel_max_counts" "above travel_min_counts",
     SpeedMax "speed_max_counts_per_s" "1 to 2147483647 counts/s",
-    CurrentMax "current_max_ma" "any number of mA; 0 for no limit, and where the board measures no current",
+    CurrentMax "current_max_ma" "mA that the board measures (`device … info`); 0 for no limit, and where it measures none",
     MeanDriveMax "mean_drive_max_code" "1 to 32767 drive codes",
     FrozenTicks "frozen_ticks" "1 to 16777216 ticks",
     FrozenDrive "frozen_drive_code" "1 to 32767 drive codes",
@@ -81,4 +81,9 @@ fields! {
     SetPointPosition "set-point position" "finite, and the way to it within the travel limits",
     SetPointVelocity "set-point velocity" "finite, and the speed on the way to it within speed_max_counts_per_s",
     SetPointSequence "set-point sequence" "at most that of the next set-point that the device wants",
+    DriveUnit "drive_unit" "V, A, N or Nm; A where the board measures the motor's current",
+    Supply "supply_v" "finite and above 0",
+    Resistance "motor_resistance_ohm" "finite and at least 0; above 0 where drive_unit is A",
+    Inductance "motor_inductance_h" "finite and at least 0; 0 where it is not known",
+    CurrentBandwidth "current_bandwidth_hz" "at least 0; 0 for the largest, which leaves 60° of phase",
 }

@@ -31,6 +31,8 @@ pub struct Info {
     pub drive_full_scale: f32,
     /// Unit of drive.
     pub drive_unit: DriveUnit,
+    /// Largest motor current that the device measures either way, mA; 0 where it measures none.
+    pub current_range_ma: u32,
 }
 
 /// Unit of position.

@@ -41,7 +41,7 @@ pub use set_point::{Following, MOST_AHEAD, SET_POINTS, SetPoint, SetPoints};
 pub use settings::{Settings, SettingsError};
 
 /// Version of the messages and frames. Raised with every change of the golden vectors that leaves the house.
-pub const PROTOCOL_VERSION: u16 = 4;
+pub const PROTOCOL_VERSION: u16 = 5;
 /// The baud rate of boards whose link has one.
 pub const BAUD: u32 = 921_600;
 /// The drive code of full drive.

@@ -67,6 +67,8 @@ pub struct Sample {
     pub reference: i32,
     /// Mode of this tick.
     pub mode: Mode,
+    /// Motor current read in this tick, mA; `None` where none is measured.
+    pub current_ma: Option<i32>,
 }
 
 /// Difference of a sample from the one before (the first: from [`Sample::default`]), as on the wire.
@@ -78,8 +80,8 @@ struct Step {
     mode: Mode,
 }
 
-/// Bytes of the longest [`Step`]: varints of 32, 16 and 32 bits, and a mode.
-const MAX_STEP: usize = 5 + 3 + 5 + 1;
+/// Bytes of the longest [`Step`]: varints of 32, 16 and 32 bits, and a mode; then the current's varint of 32 bits, where there is one.
+const MAX_STEP: usize = 5 + 3 + 5 + 1 + 5;
 
 /// Samples of ticks `first_tick`, `first_tick + decimation`, …, without a gap.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -92,6 +94,8 @@ pub struct Batch {
     pub decimation: u16,
     /// Samples dropped on the board since the reset, because the link was too slow; wraps.
     pub dropped: u32,
+    /// Each sample has a current.
+    pub currents: bool,
     /// The samples, each as the difference from the one before.
     pub steps: Vec<u8, BATCH_BYTES>,
 }
@@ -114,7 +118,12 @@ impl Batch {
             if rest.is_empty() {
                 return None;
             }
-            let Ok((step, after)) = postcard::take_from_bytes::<Step>(rest) else {
+            let read = if self.currents {
+                postcard::take_from_bytes::<(Step, i32)>(rest)
+            } else {
+                postcard::take_from_bytes::<Step>(rest).map(|(step, after)| ((step, 0), after))
+            };
+            let Ok(((step, current), after)) = read else {
                 rest = &[];
                 return Some(Err(BatchError));
             };
@@ -125,6 +134,7 @@ impl Batch {
                 drive_code: last.drive_code.wrapping_add(step.drive_code),
                 reference: last.reference.wrapping_add(step.reference),
                 mode: step.mode,
+                current_ma: self.currents.then(|| last.current_ma.unwrap_or(0).wrapping_add(current)),
             };
             tick = tick.wrapping_add(u32::from(self.decimation));
             Some(Ok(last))
@@ -144,8 +154,9 @@ impl BatchWriter {
     #[must_use]
     pub const fn new(decimation: u16) -> Self {
         let decimation = if decimation == 0 { 1 } else { decimation };
-        let batch = Batch { sequence: 0, first_tick: 0, decimation, dropped: 0, steps: Vec::new() };
-        Self { batch, last: Sample { tick: 0, count: 0, drive_code: 0, reference: 0, mode: Mode::Idle } }
+        let batch = Batch { sequence: 0, first_tick: 0, decimation, dropped: 0, currents: false, steps: Vec::new() };
+        let last = Sample { tick: 0, count: 0, drive_code: 0, reference: 0, mode: Mode::Idle, current_ma: None };
+        Self { batch, last }
     }
 
     /// Adds a sample; `dropped` is the device's drop counter. Returns the batch before, if this sample did not fit it or
@@ -153,9 +164,11 @@ impl BatchWriter {
     pub fn push(&mut self, sample: Sample, dropped: u32) -> Option<Batch> {
         let follows = self.last.tick.wrapping_add(u32::from(self.batch.decimation)) == sample.tick;
         let room = self.batch.steps.len() + MAX_STEP <= BATCH_BYTES;
-        let full = if follows && room { None } else { self.flush(dropped) };
+        let alike = self.batch.currents == sample.current_ma.is_some();
+        let full = if follows && room && alike { None } else { self.flush(dropped) };
         if self.batch.steps.is_empty() {
             self.last = Sample::default();
+            self.batch.currents = sample.current_ma.is_some();
             self.batch.first_tick = sample.tick;
         }
         let step = Step {
@@ -166,7 +179,12 @@ impl BatchWriter {
         };
         let mut bytes = [0; MAX_STEP];
         // The buffer holds the longest step, and the batch has room for it.
-        if let Ok(used) = postcard::to_slice(&step, &mut bytes) {
+        let current = sample.current_ma.map(|now| now.wrapping_sub(self.last.current_ma.unwrap_or(0)));
+        let written = match current {
+            Some(current) => postcard::to_slice(&(step, current), &mut bytes),
+            None => postcard::to_slice(&step, &mut bytes),
+        };
+        if let Ok(used) = written {
             let _ = self.batch.steps.extend_from_slice(used);
         }
         self.last = sample;

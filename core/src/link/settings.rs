@@ -15,7 +15,7 @@ pub struct Settings {
     pub travel_max_counts: i32,
     /// Limit: speed, counts/s, 1 ..= 2³¹ − 1.
     pub speed_max_counts_per_s: u32,
-    /// Limit: motor current, mA; 0 for none. A board that measures no current refuses any other.
+    /// Limit: motor current, mA; 0 for none. More than the board measures is refused, and anything else where it measures none.
     pub current_max_ma: u32,
     /// Limit: |drive| averaged over about a second, drive codes, ≥ 1: what the motor stands for long when it stands still.
     pub mean_drive_max_code: i16,
@@ -41,11 +41,19 @@ pub struct Settings {
     pub position_unit: PositionUnit,
     /// Drive units at full scale code, > 0.
     pub drive_full_scale: f32,
-    /// Unit of drive.
+    /// Unit of drive. With A a current loop is closed in each tick of a run, on a board that measures the current.
     pub drive_unit: DriveUnit,
     /// After a run the motor's own current holds it: both ends are at the same side of the supply. Where the power
     /// stage cannot do that, the motor coasts. It coasts after a trip and a reset in any case.
     pub brake: bool,
+    /// Voltage of the bridge at full duty, V, > 0: what the current loop drives with.
+    pub supply_v: f32,
+    /// Resistance of the motor with bridge and shunt, Ω, ≥ 0; 0 where it is not known, and no current loop can be closed.
+    pub motor_resistance_ohm: f32,
+    /// Inductance of the motor, H, ≥ 0; 0 where it is not known.
+    pub motor_inductance_h: f32,
+    /// Bandwidth of the current loop, Hz, ≥ 0; 0: the largest that leaves 60° of phase.
+    pub current_bandwidth_hz: f32,
 }
 
 /// Which setting is out of range.
@@ -77,6 +85,10 @@ impl Default for Settings {
             drive_full_scale: 24.0,
             drive_unit: DriveUnit::Volt,
             brake: false,
+            supply_v: 24.0,
+            motor_resistance_ohm: 0.0,
+            motor_inductance_h: 0.0,
+            current_bandwidth_hz: 0.0,
         }
     }
 }
@@ -95,6 +107,7 @@ impl Settings {
     pub fn validate(&self) -> Result<(), SettingsError> {
         let signed = 1..=i32::MAX as u32;
         let positive = |value: f32| value.is_finite() && value > 0.0;
+        let known = |value: f32| value.is_finite() && value >= 0.0;
         for (valid, field) in [
             (self.drive_max_code >= 1, Field::DriveMax),
             (self.travel_max_counts > self.travel_min_counts, Field::TravelMax),
@@ -109,6 +122,10 @@ impl Settings {
             (self.counts_per_revolution <= 1 << 24, Field::CountsPerRevolution),
             (positive(self.position_per_count), Field::PositionPerCount),
             (positive(self.drive_full_scale), Field::DriveFullScale),
+            (positive(self.supply_v), Field::Supply),
+            (known(self.motor_resistance_ohm), Field::Resistance),
+            (known(self.motor_inductance_h), Field::Inductance),
+            (known(self.current_bandwidth_hz), Field::CurrentBandwidth),
         ] {
             if !valid {
                 return Err(field);

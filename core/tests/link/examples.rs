@@ -22,6 +22,7 @@ pub fn info() -> Info {
         position_unit: PositionUnit::Millimetre,
         drive_full_scale: 24.0,
         drive_unit: DriveUnit::NewtonMetre,
+        current_range_ma: 3_300,
     }
 }
 
@@ -153,7 +154,14 @@ pub fn commands() -> Vec<(String, Command)> {
 }
 
 pub fn samples() -> [Sample; 4] {
-    let sample = |tick, count, drive_code, reference, mode| Sample { tick, count, drive_code, reference, mode };
+    let sample = |tick, count, drive_code, reference, mode| Sample {
+        tick,
+        count,
+        drive_code,
+        reference,
+        mode,
+        current_ma: None,
+    };
     [
         sample(1_000, -70_000, 4_779, 12, Mode::Relay),
         sample(1_010, -69_998, 4_779, 12, Mode::Relay),
@@ -162,9 +170,22 @@ pub fn samples() -> [Sample; 4] {
     ]
 }
 
+/// The same, with the motor's current.
+pub fn samples_with_current() -> [Sample; 4] {
+    let mut samples = samples();
+    for (sample, current) in samples.iter_mut().zip([-1_200, -1_195, i32::MAX, i32::MIN]) {
+        sample.current_ma = Some(current);
+    }
+    samples
+}
+
 pub fn batch() -> Batch {
+    batch_of(samples())
+}
+
+pub fn batch_of(samples: [Sample; 4]) -> Batch {
     let mut writer = BatchWriter::new(10);
-    for sample in samples() {
+    for sample in samples {
         assert_eq!(writer.push(sample, 7), None);
     }
     Batch { sequence: 4_000_000_000, ..writer.flush(7).unwrap() }
@@ -269,5 +290,7 @@ pub fn messages() -> Vec<(String, Message)> {
     );
     list.extend(events().into_iter().map(|(name, event)| (format!("event {name}"), Message::Event(event))));
     list.push(("samples".to_owned(), Message::Samples(batch())));
+    let measured = Batch { sequence: 4_000_000_000, ..batch_of(samples_with_current()) };
+    list.push(("samples with current".to_owned(), Message::Samples(measured)));
     list
 }

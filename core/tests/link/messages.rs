@@ -34,6 +34,7 @@ fn the_longest_messages_fit() {
         first_tick: u32::MAX,
         decimation: u16::MAX,
         dropped: u32::MAX,
+        currents: true,
         steps: [0xff; BATCH_BYTES].into_iter().collect(),
     };
     encode(&Request { id, command: Command::LoadModel(model.clone()) }, &mut frame).unwrap();
@@ -77,6 +78,10 @@ fn settings_errors_name_the_field() {
         (Settings { counts_per_revolution: u32::MAX, ..good }, Field::CountsPerRevolution),
         (Settings { position_per_count: f32::NAN, ..good }, Field::PositionPerCount),
         (Settings { drive_full_scale: 0.0, ..good }, Field::DriveFullScale),
+        (Settings { supply_v: 0.0, ..good }, Field::Supply),
+        (Settings { motor_resistance_ohm: -1.0, ..good }, Field::Resistance),
+        (Settings { motor_inductance_h: f32::NAN, ..good }, Field::Inductance),
+        (Settings { current_bandwidth_hz: f32::INFINITY, ..good }, Field::CurrentBandwidth),
     ];
     for (settings, field) in wrong {
         assert_eq!(settings.validate(), Err(field));

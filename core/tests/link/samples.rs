@@ -12,6 +12,8 @@ fn read(batch: &Batch) -> Vec<Sample> {
 #[test]
 fn extremes_come_back() {
     assert_eq!(read(&examples::batch()), examples::samples());
+    let samples = examples::samples_with_current();
+    assert_eq!(read(&examples::batch_of(samples)), samples);
 }
 
 #[test]
@@ -29,6 +31,31 @@ fn a_gap_begins_a_new_batch() {
     assert_eq!(writer.flush(3), None);
 }
 
+/// Every sample of a batch has a current, or none has.
+#[test]
+fn a_current_that_comes_or_goes_begins_a_new_batch() {
+    let mut writer = BatchWriter::new(1);
+    let sample = |tick, current_ma| Sample { tick, current_ma, ..Sample::default() };
+    assert_eq!(writer.push(sample(0, None), 0), None);
+    let before = writer.push(sample(1, Some(-5)), 0).unwrap();
+    assert_eq!((before.currents, read(&before)), (false, vec![sample(0, None)]));
+    let measured = writer.push(sample(2, None), 0).unwrap();
+    assert_eq!((measured.currents, read(&measured)), (true, vec![sample(1, Some(-5))]));
+    assert_eq!(read(&writer.flush(0).unwrap()), [sample(2, None)]);
+}
+
+/// A current that moves by less than 64 mA from one sample to the next costs one byte: 5 of a batch's 224, where 4 were before.
+#[test]
+fn a_current_costs_a_byte() {
+    let mut writer = BatchWriter::new(1);
+    let samples = (0..).map(|tick| {
+        let current_ma = Some(if tick % 2 == 0 { 1_000 } else { 1_063 });
+        Sample { tick, count: tick as i32, mode: Mode::Track, current_ma, ..Sample::default() }
+    });
+    let full = samples.map(|sample| writer.push(sample, 0)).find_map(|batch| batch).unwrap();
+    assert!(read(&full).len() >= 41, "{}", read(&full).len());
+}
+
 #[test]
 fn damaged_steps_are_an_error_and_end_the_batch() {
     let mut batch = examples::batch();
@@ -38,8 +65,8 @@ fn damaged_steps_are_an_error_and_end_the_batch() {
     assert_eq!(read[3], Err(BatchError));
 }
 
-fn any_sample() -> impl Strategy<Value = (i32, i16, i32, u8)> {
-    (any::<i32>(), any::<i16>(), any::<i32>(), 0u8..6)
+fn any_sample() -> impl Strategy<Value = (i32, i16, i32, u8, Option<i32>)> {
+    (any::<i32>(), any::<i16>(), any::<i32>(), 0u8..6, any::<Option<i32>>())
 }
 
 proptest! {
@@ -53,10 +80,10 @@ proptest! {
         let modes = [Mode::Idle, Mode::Relay, Mode::Drive, Mode::Track, Mode::Hold, Mode::Fault];
         let mut writer = BatchWriter::new(decimation);
         let (mut sent, mut batches, mut tick) = (Vec::new(), Vec::new(), start);
-        for ((count, drive_code, reference, mode), gap) in rows {
+        for ((count, drive_code, reference, mode, current_ma), gap) in rows {
             // One in twenty follows a gap.
             tick = tick.wrapping_add(u32::from(decimation) * if gap == 0 { 3 } else { 1 });
-            let sample = Sample { tick, count, drive_code, reference, mode: modes[usize::from(mode)] };
+            let sample = Sample { tick, count, drive_code, reference, mode: modes[usize::from(mode)], current_ma };
             sent.push(sample);
             batches.extend(writer.push(sample, 9));
         }

@@ -59,10 +59,13 @@ pub enum TickEvent<'a> {
     Sums(Accumulation<'a>),
 }
 
+/// A run with its bounds, and the current loop where the drive is a current.
+pub type RunRequest<P> = (RunOrder<P>, Bounds, Option<<P as ControlPlan>::Current>);
+
 /// The queues between tick and thread.
 pub struct Channels<'a, P: ControlPlan> {
     orders: Queue<Order<'a>, ORDER_QUEUE>,
-    runs: Queue<(RunOrder<P>, Bounds), RUN_QUEUE>,
+    runs: Queue<RunRequest<P>, RUN_QUEUE>,
     events: Queue<TickEvent<'a>, EVENT_QUEUE>,
     samples: Queue<Sample, SAMPLE_QUEUE>,
     set_points: SetPointQueue<P::Knot>,
@@ -72,7 +75,7 @@ pub struct Channels<'a, P: ControlPlan> {
 /// The tick's end.
 pub struct TickEnd<'q, 'a, P: ControlPlan> {
     pub(super) orders: Consumer<'q, Order<'a>, ORDER_QUEUE>,
-    pub(super) runs: Consumer<'q, (RunOrder<P>, Bounds), RUN_QUEUE>,
+    pub(super) runs: Consumer<'q, RunRequest<P>, RUN_QUEUE>,
     pub(super) events: Producer<'q, TickEvent<'a>, EVENT_QUEUE>,
     pub(super) samples: Producer<'q, Sample, SAMPLE_QUEUE>,
     pub(super) set_points: SetPointOutlet<'q, P::Knot>,
@@ -84,7 +87,7 @@ pub struct AppEnd<'q, 'a, P: ControlPlan> {
     /// Orders to the tick.
     pub orders: Producer<'q, Order<'a>, ORDER_QUEUE>,
     /// Runs to start, which the tick takes after all orders. Each is answered.
-    pub runs: Producer<'q, (RunOrder<P>, Bounds), RUN_QUEUE>,
+    pub runs: Producer<'q, RunRequest<P>, RUN_QUEUE>,
     /// Events from the tick.
     pub events: Consumer<'q, TickEvent<'a>, EVENT_QUEUE>,
     /// Samples from the tick.

@@ -6,11 +6,14 @@
 use breakaway_core::link::Ending;
 
 use super::set_points::SetPointOutlet;
+use crate::board::Applied;
 
 /// What a run under control needs to know.
 pub trait ControlPlan: Clone {
     /// A set-point of a reference that is sent piece by piece.
     type Knot: Copy;
+    /// The current loop of a run whose drive is a current.
+    type Current: Copy;
 }
 
 /// A controller with its trajectory.
@@ -29,6 +32,17 @@ pub trait PositionController {
         points: &mut SetPointOutlet<'_, <Self::Plan as ControlPlan>::Knot>,
     ) -> Option<(i32, i32)>;
 
+    /// Starts the current loop of a run.
+    fn start_current(&mut self, plan: <Self::Plan as ControlPlan>::Current);
+
+    /// The current loop's voltage in codes of the bridge, for a current as drive code and the measured one in mA. `None` if it is no
+    /// finite number, or no loop was started. [`Self::applied`] must follow.
+    fn voltage(&mut self, drive_code: i32, current_ma: i32) -> Option<i32>;
+
+    /// What came of that voltage: the drive code that is recorded. It is the one that was asked for; where the voltage was cut, it is
+    /// the measured current.
+    fn applied(&mut self, asked: i32, applied: Applied) -> i16;
+
     /// Ticks of this run in which it asked for more drive than its limit.
     fn saturated(&self) -> u32;
 
@@ -44,6 +58,7 @@ pub struct NoController;
 
 impl ControlPlan for core::convert::Infallible {
     type Knot = Self;
+    type Current = Self;
 }
 
 impl PositionController for NoController {
@@ -55,6 +70,18 @@ impl PositionController for NoController {
 
     fn tick(&mut self, _: i32, _: &mut SetPointOutlet<'_, core::convert::Infallible>) -> Option<(i32, i32)> {
         None
+    }
+
+    fn start_current(&mut self, plan: core::convert::Infallible) {
+        match plan {}
+    }
+
+    fn voltage(&mut self, _: i32, _: i32) -> Option<i32> {
+        None
+    }
+
+    fn applied(&mut self, _: i32, applied: Applied) -> i16 {
+        applied.code
     }
 
     fn saturated(&self) -> u32 {

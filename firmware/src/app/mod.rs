@@ -14,6 +14,7 @@
 mod accumulate;
 mod channels;
 mod control;
+mod current;
 mod excite;
 mod follow;
 mod guard;
@@ -25,14 +26,15 @@ mod tick;
 mod track;
 
 pub use accumulate::{Accumulation, SineConfig, Sums};
-pub use channels::{AppEnd, Channels, Order, SAMPLE_QUEUE, TickEnd, TickEvent};
+pub use channels::{AppEnd, Channels, Order, RunRequest, SAMPLE_QUEUE, TickEnd, TickEvent};
 pub use control::{ControlPlan, NoController, PositionController};
+pub use current::CurrentPlan;
 pub use excite::Excitation;
 pub use follow::{FollowRules, Knot};
 pub use guard::Guards;
 pub use memory::remember_panic;
 pub use run::{RunLimits, RunOrder};
 pub use set_points::{SetPointInlet, SetPointOutlet};
-pub use thread::{App, Experiment, Identification, Identity, Planner, Wish, guards};
+pub use thread::{App, Experiment, Identification, Identity, Planner, PowerStage, Wish, guards};
 pub use tick::{Tick, TickSettings};
 pub use track::{Path, TrackController, TrackPlan};

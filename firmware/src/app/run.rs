@@ -56,4 +56,8 @@ pub(super) struct Run {
     /// 0: until stopped.
     pub max_ticks: u32,
     pub mode: Mode,
+    /// The drive is a current: the current loop drives.
+    pub regulated: bool,
+    /// Ticks in a row above the limit of the current.
+    pub over_current_ticks: u32,
 }

@@ -4,8 +4,10 @@ use breakaway_core::control::{Controller, ControllerState, Fast, Profile, Setpoi
 use breakaway_core::link::Ending;
 
 use super::control::{ControlPlan, PositionController};
+use super::current::{CurrentPlan, CurrentRun};
 use super::follow::{FollowRules, Follower, Knot};
 use super::set_points::SetPointOutlet;
+use crate::board::Applied;
 
 /// A reference relative to the start, position units.
 #[derive(Clone, Copy, Debug)]
@@ -104,16 +106,18 @@ struct Running<R> {
 #[derive(Clone, Copy, Debug)]
 pub struct TrackController<R = f32> {
     running: Option<Running<R>>,
+    current: Option<CurrentRun<R>>,
 }
 
 impl<R> Default for TrackController<R> {
     fn default() -> Self {
-        Self { running: None }
+        Self { running: None, current: None }
     }
 }
 
 impl<R: Fast> ControlPlan for TrackPlan<R> {
     type Knot = Knot<R>;
+    type Current = CurrentPlan<R>;
 }
 
 impl<R: Fast> PositionController for TrackController<R> {
@@ -135,6 +139,18 @@ impl<R: Fast> PositionController for TrackController<R> {
         let command = plan.law.tick_from(state, reference, R::from_i32(distance) * plan.position_per_count, *origin)?;
         *saturated = saturated.saturating_add(u32::from(command.saturated));
         Some(((command.u * plan.codes_per_drive).to_i32(), (reference.x * plan.counts_per_position).to_i32()))
+    }
+
+    fn start_current(&mut self, plan: CurrentPlan<R>) {
+        self.current = Some(CurrentRun::new(plan));
+    }
+
+    fn voltage(&mut self, drive_code: i32, current_ma: i32) -> Option<i32> {
+        self.current.as_mut()?.voltage(drive_code, current_ma)
+    }
+
+    fn applied(&mut self, asked: i32, applied: Applied) -> i16 {
+        self.current.as_mut().map_or(0, |current| current.applied(asked, applied))
     }
 
     fn saturated(&self) -> u32 {

@@ -9,7 +9,7 @@ mod image {
         Relay, Request, Settings, Track, Trajectory, encode,
     };
     use breakaway_firmware::app::{
-        App, Channels, Identity, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
+        App, Channels, Identity, PowerStage, Sums, Tick, TickSettings, TrackController, TrackPlan, guards,
     };
     use breakaway_firmware::board::mps2_an386::{Meter, Next, SimulatedFlash, Virtual, done, panicked};
     use breakaway_firmware::board::{Board, Encoder, Retained, Wire, routines};
@@ -152,7 +152,8 @@ mod image {
             build: "",
             tick_hz: TICK_HZ,
             drive_max_code: FULL_SCALE_CODE,
-            measures_current: false,
+            current_range_ma: 0,
+            power_stage: PowerStage::AsSet,
         };
         let settings = Settings {
             drive_max_code: FULL_SCALE_CODE,

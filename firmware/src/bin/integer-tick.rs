@@ -41,7 +41,7 @@ mod image {
         fn tripped(&mut self) -> Option<Trip> {
             black_box(None)
         }
-        fn current_ma(&mut self) -> Option<u32> {
+        fn current_ma(&mut self) -> Option<i32> {
             black_box(None)
         }
         fn feed_watchdog(&mut self) {}
@@ -91,6 +91,10 @@ mod image {
         drive_full_scale: 1.0,
         drive_unit: breakaway_core::link::DriveUnit::Volt,
         brake: true,
+        supply_v: 1.0,
+        motor_resistance_ohm: 1.0,
+        motor_inductance_h: 0.0,
+        current_bandwidth_hz: 0.0,
     };
 
     unsafe extern "C" {

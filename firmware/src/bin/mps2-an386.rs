@@ -4,7 +4,7 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_firmware::app::{
-        App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
+        App, Channels, Identity, PowerStage, Sums, Tick, TickSettings, TrackController, Wish, guards, remember_panic,
     };
     use breakaway_firmware::board::mps2_an386::{Link, Lockstep, Received, SimulatedFlash, Uart, Virtual};
     use breakaway_firmware::storage::FlashStore;
@@ -24,7 +24,8 @@ mod image {
             build: env!("BREAKAWAY_BUILD"),
             tick_hz,
             drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
-            measures_current: false,
+            current_range_ma: 0,
+            power_stage: PowerStage::AsSet,
         };
         let Some(mut store) = FlashStore::new(SimulatedFlash::open(true), 0..4096) else {
             panic!("the simulated flash has two pages");

@@ -5,8 +5,8 @@
 mod image {
     use breakaway_core::link::Settings;
     use breakaway_firmware::app::{
-        App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
-        remember_panic,
+        App, Channels, Identity, PositionController, PowerStage, Sums, Tick, TickSettings, TrackController, Wish,
+        guards, remember_panic,
     };
     use breakaway_firmware::board::RetainedRam;
     use breakaway_firmware::board::nucleo_g474re::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
@@ -29,15 +29,19 @@ mod image {
 
     #[entry]
     fn main() -> ! {
-        let Parts { board, ticks, serial, flash } = start();
+        let Parts { board, ticks, serial, flash, current_range_ma } = start();
         let identity = Identity {
             board: NAME,
             build: env!("BREAKAWAY_BUILD"),
             tick_hz: TICK_HZ,
             drive_max_code: DRIVE_MAX_CODE,
-            measures_current: false,
+            current_range_ma,
+            power_stage: PowerStage::Bridge,
         };
         defmt::info!("{=str} {=str}: {=u32} ticks/s", identity.board, identity.build, identity.tick_hz);
+        if current_range_ma == 0 {
+            defmt::info!("no shunt amplifier: the current is not measured");
+        }
         let Some(mut store) = FlashStore::new(flash, 0..SETTINGS_BYTES) else {
             panic!("the settings have two pages");
         };

@@ -4,8 +4,8 @@
 #[cfg(target_os = "none")]
 mod image {
     use breakaway_firmware::app::{
-        App, Channels, Identity, PositionController, Sums, Tick, TickSettings, TrackController, Wish, guards,
-        remember_panic,
+        App, Channels, Identity, PositionController, PowerStage, Sums, Tick, TickSettings, TrackController, Wish,
+        guards, remember_panic,
     };
     use breakaway_firmware::board::RetainedRam;
     use breakaway_firmware::board::pico2::constants::{DRIVE_MAX_CODE, NAME, SETTINGS_BYTES, TICK_HZ};
@@ -32,7 +32,8 @@ mod image {
             build: env!("BREAKAWAY_BUILD"),
             tick_hz: TICK_HZ,
             drive_max_code: DRIVE_MAX_CODE,
-            measures_current: false,
+            current_range_ma: 0,
+            power_stage: PowerStage::Bridge,
         };
         let Some(mut store) = FlashStore::new(flash, 0..SETTINGS_BYTES) else {
             panic!("the settings have two sectors");

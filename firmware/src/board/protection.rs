@@ -3,8 +3,10 @@
 /// A hardware protection that has switched the power stage off, or wants it off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trip {
-    /// A protection of the power stage or of the controller (overcurrent comparator, clock, supply). The number is the board's own.
+    /// A protection of the power stage or of the controller (clock, supply). The number is the board's own.
     Break(i32),
+    /// The board's own comparator found more current than this, mA.
+    OverCurrent(u32),
     /// The emergency stop.
     EmergencyStop,
     /// The supply is missing or outside its range; its voltage in millivolts.
@@ -16,10 +18,14 @@ pub trait Protection {
     /// What is tripped now, if anything.
     fn tripped(&mut self) -> Option<Trip>;
 
-    /// The motor's current in mA, where it is measured; looked at only if the settings limit it.
-    fn current_ma(&mut self) -> Option<u32> {
+    /// The motor's current now, mA, above 0 where a positive drive makes it; `None` where none is measured, or where what measures it
+    /// contradicts itself. Called once per tick.
+    fn current_ma(&mut self) -> Option<i32> {
         None
     }
+
+    /// The settings limit the current to so many mA (0: no limit). What switches off by itself is set to its own level above it.
+    fn limit_current(&mut self, _limit_ma: u32) {}
 
     /// The last reset came from the watchdog.
     fn watchdog_reset(&self) -> bool {

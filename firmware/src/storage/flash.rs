@@ -16,7 +16,7 @@ use embedded_storage::nor_flash::NorFlash;
 use super::{Loaded, Store, StoreError, VERSION};
 
 /// Longest record with its mark: settings, and a model with all its effects.
-const RECORD: usize = 272;
+const RECORD: usize = 288;
 /// Bytes of the mark, the flash's widest word: erased while the record is in force.
 const MARK: usize = 8;
 const IN_FORCE: [u8; MARK] = [0xff; MARK];

@@ -9,7 +9,9 @@ use breakaway_core::link::{
     Status, encode,
 };
 use breakaway_core::plant::{Base, Drive as Held, Effect, Plant, State};
-use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
+use breakaway_firmware::app::{
+    App, Channels, Identity, PowerStage, Sums, Tick, TickSettings, TrackController, Wish, guards,
+};
 use breakaway_firmware::board::RETAINED_WORDS;
 use breakaway_firmware::storage::{Loaded, NoStore};
 use breakaway_rig::{FULL_SCALE, Motion, STEP, Shared, TICK_HZ};
@@ -114,7 +116,8 @@ impl<R: Fast> Bench<R> {
             build: "test",
             tick_hz: TICK_HZ,
             drive_max_code: world.stage_limit.unwrap_or(FULL_SCALE_CODE),
-            measures_current: false,
+            current_range_ma: world.current_range_ma,
+            power_stage: if world.simulated { PowerStage::AsSet } else { PowerStage::Bridge },
         };
         let world = Shared(Rc::new(RefCell::new(world)));
         // Leaked: a board has them for ever, too.

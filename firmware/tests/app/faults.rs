@@ -9,7 +9,7 @@ use breakaway_firmware::app::{
     Channels, ControlPlan, Guards, Path, Planner, PositionController, RunOrder, SetPointOutlet, Tick, TickSettings,
     TrackController, TrackPlan, remember_panic,
 };
-use breakaway_firmware::board::Trip;
+use breakaway_firmware::board::{Applied, Trip};
 use breakaway_firmware::storage::Loaded;
 use breakaway_rig::{Motion, code, relay};
 
@@ -367,6 +367,7 @@ struct LostPlan;
 
 impl ControlPlan for LostPlan {
     type Knot = ();
+    type Current = ();
 }
 
 impl PositionController for Lost {
@@ -376,6 +377,13 @@ impl PositionController for Lost {
         self.0 += 1;
         (self.0 < 3).then_some((5000, 0))
     }
+    fn start_current(&mut self, (): ()) {}
+    fn voltage(&mut self, _: i32, _: i32) -> Option<i32> {
+        None
+    }
+    fn applied(&mut self, _: i32, applied: Applied) -> i16 {
+        applied.code
+    }
     fn saturated(&self) -> u32 {
         0
     }
@@ -383,7 +391,7 @@ impl PositionController for Lost {
 
 #[test]
 fn a_controller_that_is_not_finite() {
-    assert_eq!(five_ticks(Lost(0), LostPlan), ([5000, 5000, 0, 0, 0], Mode::Fault, false));
+    assert_eq!(five_ticks(Lost(0), LostPlan), ([0, 5000, 5000, 0, 0], Mode::Fault, false));
 }
 
 /// The controller of the boards with a reference that is no number. It drove 0 and went on.
@@ -398,14 +406,14 @@ fn a_reference_that_is_not_finite() {
     }
 }
 
-/// Drive codes of the first five ticks of a run, and the mode and the bridge after them.
+/// Drive codes of the tick that starts a run and of four more, and the mode and the bridge after them.
 fn five_ticks<C: PositionController>(controller: C, plan: C::Plan) -> ([i16; 5], Mode, bool) {
     let world = Bench::new().world;
     let mut channels = Channels::new();
     let (tick_end, mut app_end) = channels.split();
     let guards = Guards::new(&settings(), 1000);
     let mut tick = Tick::new(world.clone(), controller, tick_end, TickSettings::at_rate(1000), guards);
-    assert!(app_end.runs.enqueue((RunOrder::Track(plan), Bounds::default())).is_ok());
+    assert!(app_end.runs.enqueue((RunOrder::Track(plan), Bounds::default(), None)).is_ok());
     let driven = [(); 5].map(|()| {
         tick.tick();
         let drive = world.0.borrow().drive;

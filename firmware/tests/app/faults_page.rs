@@ -41,7 +41,7 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 fn the_table_names_every_fault_and_tests_that_exist() {
     let page = std::fs::read_to_string(root().join("docs/faults.md")).unwrap();
     let mut code = String::new();
-    for folder in ["firmware/src", "firmware/tests", "tests/tests/virtual_board"] {
+    for folder in ["firmware/src", "firmware/tests", "tests/tests/virtual_board", "tests/tests/emulator"] {
         sources(&root().join(folder), &mut code);
     }
     let rows: Vec<Vec<&str>> = page

@@ -53,7 +53,9 @@ fn host_and_board_agree_on_the_same_samples() {
             _ => runs.push(vec![sample]),
         }
     }
-    for run in runs.iter().filter(|run| run[0].mode == Mode::Relay) {
+    for pair in runs.windows(2).filter(|pair| pair[1][0].mode == Mode::Relay) {
+        // The tick that takes the order is the last idle one: positions count from there.
+        let (start, run) = (pair[0].last().unwrap().count, &pair[1]);
         // The board starts at the third upward crossing of the error, with that cycle's length.
         let error: Vec<i32> = run.iter().map(|sample| sample.reference - sample.count).collect();
         let (mut below, mut crossings) = (false, Vec::new());
@@ -71,7 +73,7 @@ fn host_and_board_agree_on_the_same_samples() {
         let mut state = form.start();
         for sample in &run[crossings[2] + 1..] {
             let u = f32::from(sample.drive_code) * (FULL_SCALE as f32 / f32::from(i16::MAX));
-            form.push(&mut state, (sample.count - run[0].count) as f32 * STEP as f32, u);
+            form.push(&mut state, (sample.count - start) as f32 * STEP as f32, u);
         }
         blocks.push(state.blocks().map(Block::<f64>::from));
         // The sine fit starts where the period keeps within 2 %; the next tick is the first to sum.
@@ -81,7 +83,7 @@ fn host_and_board_agree_on_the_same_samples() {
         let omega = std::f64::consts::TAU * 1e3 / f64::from(lengths[steady]);
         let streaming = StreamingSine::new(omega, 1e-3).unwrap();
         let mut sums = BlockSums::<f64, 32>::new();
-        run[first..].iter().for_each(|sample| streaming.push(&mut sums, f64::from(sample.count - run[0].count) * STEP));
+        run[first..].iter().for_each(|sample| streaming.push(&mut sums, f64::from(sample.count - start) * STEP));
         host_sine = Some(streaming.fit(&sums).unwrap());
     }
     let slices: Vec<_> = blocks.iter().map(|block| &block[..]).collect();

@@ -1,6 +1,7 @@
 //! The whole application against a simulated axis: commands, experiments, guards, faults.
 
 mod bench;
+mod current;
 mod drift;
 mod faults;
 mod faults_page;

@@ -12,7 +12,7 @@ use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
 use crate::file::{FileKind, Target, shown};
-use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value};
+use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value, Winding};
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
@@ -27,7 +27,8 @@ use crate::report::remark::RemarkJson;
 JSON: b, c, f1, load (value, se, unit; load null where it is not significant), undetermined (parameter, advice),
 noise (of the position), estimator, chosen_because, held_out (blocks, error_ratio, t; null where none was held out),
 estimators (name, b, c, f1, load, holdout: its held-out error over the chosen one's), gravity (travel_rad, blocks, error_ratio, t, helps; null where it was not tried), white, simulation_error,
-residual_correlation, remarks.")]
+residual_correlation, winding (resistance, back_emf, inductance, viscous: what is left of c; null where no current is recorded),
+remarks.")]
 pub struct Args {
     /// Recordings of one session
     #[arg(value_name = "REC", required = true)]
@@ -35,6 +36,10 @@ pub struct Args {
     /// Write the model to this file; `-` is standard output
     #[arg(short, long, value_name = "M.toml")]
     pub output: Option<Target>,
+    /// Back-EMF constant of the name plate, V per position unit and second (in rad: the torque constant in Nm/A). It parts c into
+    /// back-EMF and viscous friction where no current is recorded
+    #[arg(long, value_name = "KE")]
+    pub back_emf: Option<f64>,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -91,7 +96,30 @@ pub(in crate::command) struct Document {
     white: bool,
     simulation_error: f64,
     residual_correlation: f64,
+    winding: Option<Electrical>,
     remarks: Vec<RemarkJson>,
+}
+
+/// The winding, and c without its back-EMF.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Electrical {
+    resistance: Quantity,
+    back_emf: Quantity,
+    inductance: Option<Quantity>,
+    viscous: Quantity,
+}
+
+impl Electrical {
+    fn new(winding: &Winding, c: Value, units: &Units) -> Self {
+        let quantity = |value: Value, unit: &str| Quantity { value: value.value, se: value.se, unit: unit.to_owned() };
+        let of_c = units.of_c();
+        Self {
+            resistance: quantity(winding.resistance, "Ω"),
+            back_emf: quantity(winding.back_emf, &of_c),
+            inductance: winding.inductance.map(|inductance| quantity(inductance, "H")),
+            viscous: quantity(estimate::mechanical(c, winding.back_emf), &of_c),
+        }
+    }
 }
 
 impl Row {
@@ -151,6 +179,7 @@ impl Document {
             white: result.white,
             simulation_error: result.simulation_error,
             residual_correlation: result.residual_correlation,
+            winding: result.winding.as_ref().map(|winding| Electrical::new(winding, result.best.c, units)),
             remarks: remarks
                 .chain(result.gravity.iter().map(|trial| RemarkJson::new("gravity", choice::gravity(trial))))
                 .collect(),
@@ -168,7 +197,10 @@ impl Args {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
         let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
-        let result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
+        let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
+        if let Some(value) = self.back_emf.filter(|_| result.winding.is_none()) {
+            result = estimate::apart(result, Value { value, se: 0.0 });
+        }
         let units = recordings[0].units.clone();
         if let Some(target) = &self.output {
             let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
@@ -203,23 +235,29 @@ pub fn model(result: &Identification, units: &Units, sources: &[String]) -> anyh
     })
 }
 
+/// A line of a number, its error and its unit.
+fn row(text: &mut String, name: &str, quantity: &Quantity) {
+    let Quantity { value, se, unit } = quantity;
+    let percent = 100.0 * (se / value).abs();
+    let _ = writeln!(text, "{name:<5}{value:>14.6e}  ± {se:.1e} ({percent:.2} %)  {unit}");
+}
+
 /// The result for people.
 fn table(document: &Document) -> String {
     let mut text = String::new();
-    let mut row = |name: &str, quantity: &Quantity| {
-        let percent = 100.0 * (quantity.se / quantity.value).abs();
-        let _ = writeln!(
-            text,
-            "{name:<5}{:>14.6e}  ± {:.1e} ({percent:.2} %)  {}",
-            quantity.value, quantity.se, quantity.unit
-        );
-    };
-    row("b", &document.b);
-    row("c", &document.c);
-    row("f1", &document.f1);
+    row(&mut text, "b", &document.b);
+    row(&mut text, "c", &document.c);
+    row(&mut text, "f1", &document.f1);
     match &document.load {
-        Some(load) => row("load", load),
+        Some(load) => row(&mut text, "load", load),
         None => text.push_str("load  none that is significant\n"),
+    }
+    if let Some(Electrical { resistance, back_emf, inductance, viscous }) = &document.winding {
+        text.push_str("\nfrom the current:\n");
+        let parts = [("R", resistance), ("Ke", back_emf), ("c-Ke", viscous)];
+        for (name, quantity) in parts.into_iter().chain(inductance.iter().map(|inductance| ("L", inductance))) {
+            row(&mut text, name, quantity);
+        }
     }
     let _ = writeln!(text, "\nreported: {}", document.chosen_because);
     text.push_str("\nby estimator:\n");

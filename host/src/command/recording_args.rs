@@ -25,6 +25,9 @@ pub struct RecordingArgs {
     /// Column of the position [default: x]
     #[arg(long, value_name = "COL")]
     pub position: Option<String>,
+    /// Column of the motor's current, A (or mA, if its name ends so) [default: i_A, if the file's header has its unit]
+    #[arg(long, value_name = "COL")]
+    pub current: Option<String>,
     /// Sampling rate; time is then counted from the rows, whatever the file says
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
     pub fs: Option<f64>,
@@ -56,6 +59,7 @@ impl RecordingArgs {
             time_unit: self.time_unit,
             input: self.input.clone(),
             position: self.position.clone(),
+            current: self.current.clone(),
             fs_hz: self.fs,
             encoder_step: self.encoder_step,
             wrap: self.wrap,

@@ -11,9 +11,10 @@ use std::path::{Path, PathBuf};
 use breakaway_core::link::{Batch, Info};
 
 use super::DeviceError;
-use super::scale::Scale;
+use super::scale::{Scale, amperes};
 use super::stream::{Row, Stream, Totals};
 use crate::file::write_whole;
+use crate::recording::CURRENT;
 
 /// Gaps that the header lists one by one; a link worse than that is of no use.
 const MOST_GAPS: usize = 100_000;
@@ -27,6 +28,8 @@ pub struct Capture {
     scale: Scale,
     decimation: u16,
     provenance: Vec<String>,
+    /// The board measures the motor's current.
+    measures_current: bool,
     /// Rows before which samples are missing, and how many.
     gaps: Vec<(u64, u64)>,
     stream: Stream,
@@ -76,6 +79,7 @@ impl Capture {
             scale,
             decimation,
             provenance: provenance(info),
+            measures_current: info.current_range_ma > 0,
             gaps: Vec::new(),
             stream: Stream::default(),
             rows: Vec::new(),
@@ -114,7 +118,7 @@ impl Capture {
             }
             self.first_tick.get_or_insert(row.tick);
             self.last_tick = row.tick;
-            write_row(&mut text, &row, &self.scale);
+            write_row(&mut text, &row, &self.scale, self.measures_current);
         }
         self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush()).map_err(|e| self.failed(e))?;
         taken.map(|()| more).map_err(|_| DeviceError::Restarted { port: port.to_owned() })
@@ -144,7 +148,7 @@ impl Capture {
         write_whole(&self.path, |out| {
             out.write_all(header.as_bytes())?;
             let mut part = io::BufReader::new(File::open(&self.part)?);
-            skip_header(&mut part)?;
+            skip_header(&mut part, self.columns())?;
             io::copy(&mut part, out).map(|_| ())
         })
         .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), reason: source })?;
@@ -160,9 +164,10 @@ impl Capture {
     /// The comment lines and the header row.
     fn header(&self, ended: &str) -> String {
         let tick_s = self.scale.tick_s() * f64::from(self.decimation);
+        let current = if self.measures_current { format!(", {CURRENT}=A") } else { String::new() };
         let mut lines = vec![
             format!("tick: {tick_s:?} s"),
-            format!("units: u={u}, x={x}, r={x}", u = self.scale.units.u, x = self.scale.units.x),
+            format!("units: u={u}, x={x}, r={x}{current}", u = self.scale.units.u, x = self.scale.units.x),
             format!("encoder step: {:?} {}", self.scale.step, self.scale.units.x),
         ];
         if !self.gaps.is_empty() {
@@ -191,12 +196,17 @@ impl Capture {
             text.push_str(&line.replace(char::is_control, " "));
             text.push('\n');
         }
-        text.push_str(COLUMNS);
+        text.push_str(self.columns());
         text
+    }
+
+    const fn columns(&self) -> &'static str {
+        if self.measures_current { COLUMNS_WITH_CURRENT } else { COLUMNS }
     }
 }
 
 const COLUMNS: &str = "t,u,x,r,mode\n";
+const COLUMNS_WITH_CURRENT: &str = "t,u,x,r,mode,i_A\n";
 
 /// Where a recording comes from, as header lines.
 pub fn provenance(info: &Info) -> Vec<String> {
@@ -208,20 +218,28 @@ pub fn provenance(info: &Info) -> Vec<String> {
     ]
 }
 
-fn write_row(text: &mut String, row: &Row, scale: &Scale) {
+/// One row. A current that is missing from a board that measures it is an empty field, not one from before.
+fn write_row(text: &mut String, row: &Row, scale: &Scale, measures_current: bool) {
     use std::fmt::Write as _;
     if row.missing > 0 {
         let _ = writeln!(text, "# gap: {} samples are missing here", row.missing);
     }
     let (t, u) = (scale.time(row.tick), scale.drive(row.drive_code.into()));
     let (x, r) = (scale.position(row.count), scale.position(row.reference));
-    let _ = writeln!(text, "{t:?},{u:?},{x:?},{r:?},{}", row.mode.name());
+    let _ = write!(text, "{t:?},{u:?},{x:?},{r:?},{}", row.mode.name());
+    if measures_current {
+        text.push(',');
+        if let Some(current_ma) = row.current_ma {
+            let _ = write!(text, "{:?}", amperes(current_ma));
+        }
+    }
+    text.push('\n');
 }
 
 /// Reads up to and including the header row.
-fn skip_header(part: &mut impl io::BufRead) -> io::Result<()> {
+fn skip_header(part: &mut impl io::BufRead, columns: &str) -> io::Result<()> {
     let mut line = Vec::new();
-    while line != COLUMNS.as_bytes() {
+    while line != columns.as_bytes() {
         line.clear();
         if part.read_until(b'\n', &mut line)? == 0 {
             return Err(io::Error::other("its header is gone"));

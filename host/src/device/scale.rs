@@ -26,6 +26,11 @@ pub fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or_else(|_| f64::from(value))
 }
 
+/// A current of the link, A.
+pub fn amperes(current_ma: i32) -> f64 {
+    f64::from(current_ma) / 1000.0
+}
+
 impl Scale {
     /// The scale of a device.
     ///
@@ -170,6 +175,7 @@ mod tests {
             position_unit: PositionUnit::Radian,
             drive_full_scale: 12.0,
             drive_unit: DriveUnit::Volt,
+            current_range_ma: 0,
         }
     }
 

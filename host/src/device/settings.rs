@@ -15,6 +15,10 @@ pub fn list(settings: &Settings) -> Vec<(String, Value)> {
             let value = match name.as_str() {
                 "position_per_count" => decimal(settings.position_per_count).into(),
                 "drive_full_scale" => decimal(settings.drive_full_scale).into(),
+                "supply_v" => decimal(settings.supply_v).into(),
+                "motor_resistance_ohm" => decimal(settings.motor_resistance_ohm).into(),
+                "motor_inductance_h" => decimal(settings.motor_inductance_h).into(),
+                "current_bandwidth_hz" => decimal(settings.current_bandwidth_hz).into(),
                 "position_unit" => settings.position_unit.symbol().into(),
                 "drive_unit" => settings.drive_unit.symbol().into(),
                 _ => value,
@@ -80,7 +84,7 @@ mod tests {
         let settings = Settings::default();
         let mut copy = settings;
         let list = list(&settings);
-        assert_eq!(list.len(), 19);
+        assert_eq!(list.len(), 23);
         assert_eq!((list[0].0.as_str(), &list[0].1), ("drive_max_code", &Value::from(16_383)));
         for (name, value) in &list {
             let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);

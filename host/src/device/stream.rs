@@ -15,6 +15,8 @@ pub struct Row {
     pub reference: i32,
     /// Mode.
     pub mode: Mode,
+    /// Motor current, mA, where the board measures it.
+    pub current_ma: Option<i32>,
     /// Samples missing between the one before and this one.
     pub missing: u64,
 }
@@ -85,6 +87,7 @@ impl Stream {
                 drive_code: sample.drive_code,
                 reference: sample.reference,
                 mode: sample.mode,
+                current_ma: sample.current_ma,
                 missing,
             });
         }

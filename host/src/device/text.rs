@@ -81,6 +81,8 @@ pub const fn cause_name(cause: FaultCause) -> &'static str {
         FaultCause::ResetWhileDriven => "reset_while_driven",
         FaultCause::NotFinite => "not_finite",
         FaultCause::EmergencyStop => "emergency_stop",
+        FaultCause::OverCurrent => "over_current",
+        FaultCause::CurrentSensor => "current_sensor",
     }
 }
 
@@ -103,10 +105,18 @@ pub fn fault(record: &FaultRecord) -> String {
             format!("no command for {value} ms while moving (limit {limit}): the host or the cable was lost")
         }
         FaultCause::BreakInput => format!(
-            "a protection switched the power stage off (the board's number {value}): over-current, over-temperature, or the \
+            "a protection switched the power stage off (the board's number {value}): over-temperature, or the \
              controller's own supply or clock"
         ),
         FaultCause::EmergencyStop => "the emergency stop is open: close it, then clear the fault".into(),
+        FaultCause::OverCurrent => format!(
+            "the current was above {limit} mA ({value} mA when it was read next): a short circuit, a blocked axis under a large \
+             drive, or current_max_ma is below what the run needs"
+        ),
+        FaultCause::CurrentSensor => format!(
+            "the current is limited to {limit} mA, and nothing measures it: check both wires of the shunt amplifier's output, \
+             reboot, or set current_max_ma=0"
+        ),
         FaultCause::Supply => format!("the supply was at {value} mV (limit {limit} mV)"),
         FaultCause::DriveStage => "the power stage could not be set".into(),
         FaultCause::Watchdog => "the watchdog reset the board: the control tick had stopped".into(),

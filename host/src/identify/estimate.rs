@@ -12,6 +12,8 @@ use super::output_error::{
 use super::slow_log;
 use super::swapped;
 use super::weak;
+pub use super::winding::mechanical;
+use super::winding::winding;
 use crate::fit::{Track, median, session};
 use crate::recording::Recording;
 
@@ -21,6 +23,7 @@ pub use super::gravity::GravityTrial;
 pub use super::held_out::Comparison;
 pub use super::remark::Remark;
 pub use super::result::{Identification, ModelEstimate, StartingModel, Undetermined, Value};
+pub use super::winding::Winding;
 
 /// Share of the drive that even a model with effects missing explains.
 const MOST_UNEXPLAINED: f64 = 0.3;
@@ -38,7 +41,24 @@ pub fn identify(recordings: &[Recording]) -> Result<Identification, IdentifyErro
     if !identified.white {
         identified.gravity = gravity::tried(recordings, identified.best.estimator);
     }
+    // A drive that is a current or a force has no back-EMF in it.
+    if ["A", "mA", "N", "Nm", "mNm"].contains(&recordings[0].units.u.as_str()) {
+        identified.remarks.retain(|remark| *remark != Remark::BackEmfInDamping);
+    }
+    identified.winding = winding(recordings);
+    if let Some(Winding { back_emf, .. }) = identified.winding {
+        identified = apart(identified, back_emf);
+    }
     Ok(identified)
+}
+
+/// With c parted by a back-EMF that is known: from the current, or from the name plate, in the units of c.
+pub fn apart(mut identified: Identification, back_emf: Value) -> Identification {
+    let viscous = mechanical(identified.best.c, back_emf);
+    let of_c = |remark: &Remark| matches!(remark, Remark::BackEmfInDamping | Remark::BackEmfApart { .. });
+    identified.remarks.retain(|remark| !of_c(remark));
+    identified.remarks.insert(0, Remark::BackEmfApart { back_emf, viscous });
+    identified
 }
 
 /// The same without holding blocks out, in a third of the time: a model to start a fit from.
@@ -166,6 +186,7 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identification,
         fit,
         choice,
         gravity: None,
+        winding: None,
     };
     Ok((identified, Prepared { tracks, windows, both }))
 }

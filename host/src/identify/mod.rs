@@ -15,3 +15,4 @@ mod result;
 mod slow_log;
 mod swapped;
 pub mod weak;
+mod winding;

@@ -2,12 +2,21 @@
 
 use std::fmt;
 
+use super::result::Value;
+
 /// A remark, with the numbers that it is about. Its `Display` is the sentence that a person reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
     /// c holds two parameters that position data cannot split.
     BackEmfInDamping,
+    /// c is two parameters, and the back-EMF is known.
+    BackEmfApart {
+        /// Back-EMF, in the units of c.
+        back_emf: Value,
+        /// What is left of c: viscous friction.
+        viscous: Value,
+    },
     /// Weak form and output error agree within their errors.
     EstimatorsAgree {
         /// b of output error over that of the weak form, less one, %.
@@ -42,6 +51,7 @@ impl Remark {
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::BackEmfInDamping => "back_emf_in_damping",
+            Self::BackEmfApart { .. } => "back_emf_apart",
             Self::EstimatorsAgree { .. } => "estimators_agree",
             Self::WeakFormIsBiased => "weak_form_is_biased",
             Self::ModelMisses { .. } => "model_misses",
@@ -60,6 +70,11 @@ impl fmt::Display for Remark {
         match *self {
             Self::BackEmfInDamping => out.write_str(
                 "c is back-EMF and viscous friction together (Ke + f2): they act alike, and position data cannot split them",
+            ),
+            Self::BackEmfApart { back_emf, viscous } => write!(
+                out,
+                "c is the back-EMF {:.4e} ± {:.1e} and the viscous friction {:.4e} ± {:.1e}",
+                back_emf.value, back_emf.se, viscous.value, viscous.se
             ),
             Self::EstimatorsAgree { b_percent } => {
                 write!(out, "weak_form and output_error agree within their errors; b differs by {b_percent:+.1} %")

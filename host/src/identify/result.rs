@@ -3,6 +3,7 @@
 use super::choice::Choice;
 use super::gravity::GravityTrial;
 use super::remark::Remark;
+use super::winding::Winding;
 use crate::fit::Fit;
 
 /// A number with its standard error.
@@ -61,6 +62,8 @@ pub struct Identification {
     pub white: bool,
     /// Gravity beside the base, where the position is an angle, the motion covers enough of it, and the model misses something.
     pub gravity: Option<GravityTrial>,
+    /// The motor's winding, where the current is recorded.
+    pub winding: Option<Winding>,
     /// What is remarked beside the numbers.
     pub remarks: Vec<Remark>,
     /// The output-error fit.

@@ -52,6 +52,9 @@ use crate::file::shown;
 /// Fewest rows of a file that are worth reading: twice the four unknowns of a sine fit.
 pub const MIN_ROWS: usize = 8;
 
+/// The motor's current in A, as a column of a recording; its unit in the header's `units` line says that it is one.
+pub const CURRENT: &str = "i_A";
+
 /// One recording of an axis, evenly sampled or not.
 ///
 /// `u[k]` is the drive applied from `t[k]` to `t[k + 1]` (zero-order hold); `x[k]` is the position read at `t[k]`.
@@ -66,6 +69,8 @@ pub struct Recording {
     pub u: Vec<f64>,
     /// Measured position, in `units.x`.
     pub x: Vec<f64>,
+    /// Motor current read at each `t[k]`, A, where it was measured; else empty.
+    pub current: Vec<f64>,
     /// Encoder step in position units, where it is known.
     pub encoder_step: Option<f64>,
     /// Units of drive and position, for reports.
@@ -92,17 +97,19 @@ impl Recording {
         Self::read_from(&shown(path), Source::open(path)?, options)
     }
 
-    /// Reads from `input`; `file` is its name in messages. Only the three columns are kept in memory.
+    /// Reads from `input`; `file` is its name in messages. Only the three columns are kept in memory, and the current where there
+    /// is one.
     ///
     /// A recording whose position does not move is read: [`Recording::moves`] tells.
     ///
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
     pub fn read_from(file: &str, input: impl Read, options: &ReadOptions) -> Result<Self, RecordingError> {
-        let wanted = [
+        let mut wanted = vec![
             Wanted { name: options.input_column(), flag: "--input" },
             Wanted { name: options.position_column(), flag: "--position" },
         ];
+        wanted.extend(options.current.as_deref().map(|name| Wanted { name, flag: "--current" }));
         let mut table = Table::read(file, input, options, &wanted)?;
         table.check(file)?;
         let unknown = Units::default();
@@ -111,12 +118,19 @@ impl Recording {
             u: unit_of(options.input_column()).unwrap_or(unknown.u),
             x: unit_of(options.position_column()).unwrap_or(unknown.x),
         };
+        let milliamperes = options.current.as_deref().and_then(unit_of).is_some_and(|unit| unit == "mA");
         table.warn_of_drive(0);
         table.clean_position(file, (1, options.position_column()), &units.x, options.wrap)?;
-        let x = table.columns.pop().unwrap_or_default();
-        let u = table.columns.pop().unwrap_or_default();
+        let too_short = table.too_short(file);
+        let mut columns = std::mem::take(&mut table.columns).into_iter();
+        let [u, x, mut current] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        if milliamperes {
+            for i in &mut current {
+                *i *= 1e-3;
+            }
+        }
         if x.len() < MIN_ROWS {
-            return Err(table.too_short(file));
+            return Err(too_short);
         }
         let mut recording = Self {
             name: file_stem(file),
@@ -130,6 +144,8 @@ impl Recording {
             t: table.t,
             u,
             x,
+            // A row without its current: there is none of the recording.
+            current: if current.iter().all(|i| i.is_finite()) { current } else { Vec::new() },
         };
         if recording.encoder_step.is_none() {
             recording.encoder_step = quantisation::infer_step(&recording.x, recording.held().is_some());

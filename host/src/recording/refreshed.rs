@@ -67,9 +67,10 @@ impl Recording {
         self.held().filter(|held| held.period_rows >= AT_REST).map(|held| held.period_s)
     }
 
-    /// The rows at which a sensor with this refresh is read.
+    /// The rows at which a sensor with this refresh is read, without the current between them.
     fn read_every(&self, period_s: f64) -> Self {
-        let mut own = Self { t: Vec::new(), u: Vec::new(), x: Vec::new(), gaps: Vec::new(), ..self.clone() };
+        let (t, u, x, current, gaps) = Default::default();
+        let mut own = Self { t, u, x, current, gaps, ..self.clone() };
         own.read_every_s = Some(period_s);
         for piece in self.pieces() {
             let mut fresh: Vec<usize> = Vec::new();

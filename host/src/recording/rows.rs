@@ -118,6 +118,8 @@ pub(super) struct RowReader<'a> {
     pub names: &'a Names<'a>,
     pub clock: Clock,
     pub indices: Vec<usize>,
+    /// A column after these that a row may lack: it is then not a number.
+    pub optional: Option<usize>,
     pub selection: Vec<(usize, &'a Selection)>,
     /// Values of `--where` columns, for the message when none matches.
     pub seen: Vec<String>,
@@ -174,6 +176,7 @@ impl RowReader<'_> {
         for &index in &self.indices {
             self.values.push(number_in(index)?);
         }
+        self.values.extend(self.optional.map(|index| number_in(index).unwrap_or(f64::NAN)));
         Ok(Some(t))
     }
 }

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use csv::ByteRecord;
 
+use super::CURRENT;
 use super::clock::Clock;
 use super::error::{Place, RecordingError};
 use super::field;
@@ -81,6 +82,9 @@ impl Table {
         let clock = clock(options, &header, &names).map_err(other)?;
         let indices =
             wanted.iter().map(|w| names.index(w.name, w.flag)).collect::<Result<Vec<_>, _>>().map_err(other)?;
+        // As a board writes it. A stranger's column of that name is not looked at.
+        let measured = header.units.get(CURRENT).is_some_and(|unit| unit == "A");
+        let optional = names.columns.iter().position(|name| name == CURRENT).filter(|_| measured && wanted.len() == 2);
         let selection = options
             .select
             .iter()
@@ -90,7 +94,7 @@ impl Table {
             header,
             clock: clock.clone(),
             t: Vec::new(),
-            columns: vec![Vec::new(); wanted.len()],
+            columns: vec![Vec::new(); wanted.len() + usize::from(optional.is_some())],
             breaks: Vec::new(),
             restarts: Vec::new(),
             lines: LineOfRow::default(),
@@ -100,7 +104,7 @@ impl Table {
         let window_s = options.window_s;
         let (seen, values) = (Vec::new(), Vec::new());
         let mut reader =
-            RowReader { names: &names, clock, indices, selection, seen, window_s, outside_s: None, values };
+            RowReader { names: &names, clock, indices, optional, selection, seen, window_s, outside_s: None, values };
         let most = options.max_rows.unwrap_or(MAX_ROWS);
         table.read_rows(&mut rows, &mut reader, most)?;
         if table.t.is_empty() {

@@ -115,6 +115,7 @@ impl Recording {
                 t: cut(&self.t, piece),
                 u: cut(&self.u, piece),
                 x: cut(&self.x, piece),
+                current: cut(&self.current, piece),
                 encoder_step: self.encoder_step,
                 read_every_s: self.read_every_s,
                 units: self.units.clone(),

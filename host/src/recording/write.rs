@@ -4,11 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::header::one_line;
-use super::{Recording, RecordingError};
+use super::{CURRENT, Recording, RecordingError};
 use crate::file::{FileError, write_whole};
 
 impl Recording {
-    /// Writes the recording to `path`, whole or not at all, with columns `t,u,x` and a header of units and provenance.
+    /// Writes the recording to `path`, whole or not at all, with columns `t,u,x`, `i_A` where there is a current, and a header of units and provenance.
     ///
     /// # Errors
     /// [`FileError::Write`]; a file already there is then untouched.
@@ -21,14 +21,18 @@ impl Recording {
     /// # Errors
     /// What `out` reports; `InvalidInput` if the columns differ in length or hold a number that is not finite.
     pub fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
-        if self.t.len() != self.u.len() || self.t.len() != self.x.len() {
+        let measured = !self.current.is_empty();
+        let current = if measured { self.current.len() } else { self.t.len() };
+        if [self.u.len(), self.x.len(), current] != [self.t.len(); 3] {
             return Err(invalid("the columns differ in length"));
         }
         if let Some(tick_s) = self.evenly_sampled() {
             writeln!(out, "# tick: {:?} s", decimal(tick_s))?;
         }
         let (u, x) = (unit(&self.units.u), unit(&self.units.x));
-        writeln!(out, "# units: t=s, u={u}, x={x}")?;
+        let (column, of_current) =
+            if measured { (format!(",{CURRENT}"), format!(", {CURRENT}=A")) } else { Default::default() };
+        writeln!(out, "# units: t=s, u={u}, x={x}{of_current}")?;
         if let Some(step) = self.encoder_step {
             writeln!(out, "# encoder step: {step:?} {x}")?;
         }
@@ -43,13 +47,18 @@ impl Recording {
             let key = one_line(key).replace(':', " ");
             writeln!(out, "# {}: {}", key.trim(), one_line(value).trim())?;
         }
-        writeln!(out, "t,u,x")?;
-        for ((t, u), x) in self.t.iter().zip(&self.u).zip(&self.x) {
-            if !(t.is_finite() && u.is_finite() && x.is_finite()) {
+        writeln!(out, "t,u,x{column}")?;
+        for (k, ((t, u), x)) in self.t.iter().zip(&self.u).zip(&self.x).enumerate() {
+            let current = self.current.get(k);
+            if !(t.is_finite() && u.is_finite() && x.is_finite() && current.is_none_or(|i| i.is_finite())) {
                 return Err(invalid("a number is not finite"));
             }
             // Debug, not Display: it changes to an exponent where zeros would fill the line.
-            writeln!(out, "{t:?},{u:?},{x:?}")?;
+            write!(out, "{t:?},{u:?},{x:?}")?;
+            match current {
+                Some(current) => writeln!(out, ",{current:?}")?,
+                None => writeln!(out)?,
+            }
         }
         Ok(())
     }

@@ -163,6 +163,55 @@ fn identify_prints_the_document_of_the_contract_and_writes_the_model() {
     assert!(text(&people.stdout).contains("\n  modulating          b 2.68"), "{}", text(&people.stdout));
 }
 
+/// The recording with the current of a winding of 2 Ω and 50 mV·s/rad beside it, in mA, as the drive and the position have it.
+fn with_current(folder: &Path, name: &str) {
+    let file = folder.join(format!("{name}.csv"));
+    let recording =
+        breakaway::recording::Recording::read(&file, &breakaway::recording::ReadOptions::default()).unwrap();
+    let mut text = "t,u_V,x_rad,motor_mA\n".to_owned();
+    for k in 1..recording.t.len() - 1 {
+        let way = recording.x[k + 1] - recording.x[k - 1];
+        let v = way / (recording.t[k + 1] - recording.t[k - 1]);
+        let current = 1000.0 * (recording.u[k] - 0.05 * v) / 2.0;
+        text += &format!("{},{},{},{current}\n", recording.t[k], recording.u[k], recording.x[k]);
+    }
+    fs::write(folder.join(format!("{name}i.csv")), text).unwrap();
+}
+
+/// R and Ke to 1 %: their noise is that of v from two positions. c less Ke is what is told as friction, with both errors.
+#[test]
+fn identify_parts_the_damping_where_a_current_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    relays(place);
+    with_current(place, "a");
+    with_current(place, "b");
+    let columns = ["--input", "u_V", "--position", "x_rad"];
+    let run = |more: &[&str]| json(place, &[&["identify", "ai.csv", "bi.csv"], &columns[..], more].concat());
+    let document = run(&["--current", "motor_mA"]);
+    let winding = &document["winding"];
+    assert_eq!(keys(winding), ["back_emf", "inductance", "resistance", "viscous"]);
+    for (key, truth, unit) in [("resistance", 2.0, "Ω"), ("back_emf", 0.05, "V·s/rad")] {
+        assert_eq!(winding[key]["unit"], unit);
+        assert!((number(&winding[key]["value"]) / truth - 1.0).abs() < 0.01, "{key}: {winding}");
+    }
+    let [c, emf, viscous] = [&document["c"], &winding["back_emf"], &winding["viscous"]];
+    assert!((number(&c["value"]) - number(&emf["value"]) - number(&viscous["value"])).abs() < 1e-12);
+    assert!((number(&c["se"]).hypot(number(&emf["se"])) - number(&viscous["se"])).abs() < 1e-12);
+    let first = |document: &Value| document["remarks"][0]["text"].as_str().unwrap().to_owned();
+    assert!(first(&document).starts_with("c is the back-EMF "), "{}", first(&document));
+    // Nobody says which column, or there is none.
+    let document = run(&[]);
+    assert_eq!(document["winding"], Value::Null);
+    assert!(first(&document).starts_with("c is back-EMF and viscous friction together"), "{}", first(&document));
+    // From a name plate, c is parted all the same; the winding is not told.
+    let document = run(&["--back-emf", "0.05"]);
+    assert_eq!(document["winding"], Value::Null);
+    assert!(first(&document).starts_with("c is the back-EMF 5.0000e-2 ± 0.0e0"), "{}", first(&document));
+    let people = breakaway(place, &["identify", "ai.csv", "--input", "u_V", "--position", "x_rad", "--current", "i"]);
+    assert!(text(&people.stderr).contains("no column `i`; name it with --current"), "{}", text(&people.stderr));
+}
+
 /// A refusal of the describing function names the experiment that would help; the other estimates stand.
 #[test]
 fn relay_recordings_that_cannot_separate_c_and_f1_say_so() {

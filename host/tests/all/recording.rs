@@ -139,7 +139,8 @@ prop_compose! {
     fn recordings()(
         start in -1e6..1e6_f64,
         // From 1 µs to 1000 s; a median past 2.8 hours would be refused.
-        samples in vec((-6.0..3.0_f64, finite(), finite()), 8..60),
+        samples in vec((-6.0..3.0_f64, finite(), finite(), finite()), 8..60),
+        measured in any::<bool>(),
         step in proptest::option::of(1e-300..1e300_f64),
         gap in 1_usize..8,
         units in ("[a-zA-Z%°µ·/]{1,6}", "[a-zA-Z%°µ·/]{1,6}"),
@@ -153,6 +154,7 @@ prop_compose! {
             t,
             u: samples.iter().map(|s| s.1).take(count).collect(),
             x: samples.iter().map(|s| s.2).take(count).collect(),
+            current: samples.iter().map(|s| s.3).take(if measured { count } else { 0 }).collect(),
             // Without a step in the file the reader may infer one.
             encoder_step: Some(step.unwrap_or(1.0)),
             units: Units { u: units.0, x: units.1 },
@@ -179,6 +181,7 @@ proptest! {
         prop_assert_eq!(bits(&back.t), bits(&recording.t));
         prop_assert_eq!(bits(&back.u), bits(&recording.u));
         prop_assert_eq!(bits(&back.x), bits(&recording.x));
+        prop_assert_eq!(bits(&back.current), bits(&recording.current));
         prop_assert_eq!(&back.encoder_step, &recording.encoder_step);
         prop_assert_eq!(&back.counts_per_turn, &recording.counts_per_turn);
         prop_assert_eq!(&back.units, &recording.units);

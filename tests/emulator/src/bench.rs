@@ -6,10 +6,11 @@ use breakaway_core::link::{
     Command, Decoder, Ended, Event, FaultRecord, Info, MAX_FRAME, Message, Reply, Request, Sample, Settings, encode,
 };
 
-use crate::bus::{CORE_HZ, STEP_CYCLES};
+use crate::bus::{Bus, CORE_HZ, STEP_CYCLES};
 use crate::flash::Cells;
 use crate::machine::{Machine, Violation};
 use crate::unicorn::{NoUnicorn, in_images};
+use crate::winding::Winding;
 
 /// What `cargo xtask test` calls the image.
 const IMAGE: &str = "nucleo-g474re.elf";
@@ -72,6 +73,10 @@ impl Bench {
     /// # Panics
     /// If there is no image, or it does not start.
     pub fn with(axis: &Axis, cells: Cells) -> Result<Self, NoUnicorn> {
+        Self::set_up(axis, cells, |_| {})
+    }
+
+    fn set_up(axis: &Axis, cells: Cells, change: impl FnOnce(&mut Bus)) -> Result<Self, NoUnicorn> {
         let image = in_images(IMAGE).unwrap_or_else(|| panic!("no images/{IMAGE}: `cargo xtask emulator` builds it"));
         let mut bench = Self {
             machine: Machine::power_on(&image, axis, cells)?,
@@ -83,8 +88,37 @@ impl Bench {
             next_id: 1,
             said_at: 0,
         };
+        change(bench.machine.bus());
         bench.started();
         Ok(bench)
+    }
+
+    /// The same with a winding, and with the shunt amplifier. The axis has its back-EMF in the winding, not in c.
+    ///
+    /// # Errors
+    /// [`NoUnicorn`].
+    ///
+    /// # Panics
+    /// As [`Bench::with`].
+    pub fn with_winding(winding: Winding) -> Result<Self, NoUnicorn> {
+        Self::with_amplifier(winding, 0.0, [false; 2])
+    }
+
+    /// The same with an amplifier that is off by so many V, and with wires to PC1 and PB1 that are off.
+    ///
+    /// # Errors
+    /// [`NoUnicorn`].
+    ///
+    /// # Panics
+    /// As [`Bench::with`].
+    pub fn with_amplifier(winding: Winding, offset: f64, cut: [bool; 2]) -> Result<Self, NoUnicorn> {
+        let mut axis = axis();
+        axis.base.c -= winding.back_emf;
+        axis.drive_full_scale = 2.0 * winding.supply;
+        Self::set_up(&axis, Cells::blank(), |bus| {
+            bus.winding = Some(winding);
+            (bus.analog.offset, bus.analog.cut) = (offset, cut);
+        })
     }
 
     /// Runs until the board says that it has started.

@@ -15,9 +15,14 @@ const ARR: u32 = 0x2c;
 const CCR1: u32 = 0x34;
 const BDTR: u32 = 0x44;
 const AF1: u32 = 0x60;
+const AF2: u32 = 0x64;
+const CCMR2: u32 = 0x1c;
+const CCR4: u32 = 0x40;
 const MOE: u32 = 1 << 15;
-/// Break, and break of the system.
-pub const BREAKS: u32 = PIN_BREAK | SYSTEM_BREAK;
+/// Break, second break, and break of the system.
+pub const BREAKS: u32 = PIN_BREAK | SECOND_BREAK | SYSTEM_BREAK;
+/// Flag of the second break input.
+pub const SECOND_BREAK: u32 = 1 << 8;
 /// Flag of the break input.
 pub const PIN_BREAK: u32 = 1 << 7;
 /// Flag of the system's breaks.
@@ -37,6 +42,10 @@ pub struct Bridge {
     seen: Option<([u32; 2], [u32; 4])>,
     /// The break input is at its active level.
     pub pin_active: bool,
+    /// Comparators whose outputs are high, as bits of AF2.
+    pub comparators: u32,
+    /// The counter goes up.
+    pub rising: bool,
     /// A break of the system lasts.
     pub system_active: bool,
     /// The core is halted and the timer with it.
@@ -74,7 +83,8 @@ impl Bridge {
             BDTR if value & MOE != 0 && before & MOE == 0 => {
                 self.may_be_on(value, store)?;
                 // A break that lasts keeps it off (RM0440, using the break function).
-                if store.get(TIM1 + SR) & BREAKS != 0 || self.pin_active || self.system_active {
+                let second = self.second(store);
+                if store.get(TIM1 + SR) & BREAKS != 0 || self.pin_active || second || self.system_active {
                     value & !MOE
                 } else {
                     value
@@ -91,6 +101,7 @@ impl Bridge {
                 return Err("it is started before an update has taken over the period".into());
             }
             self.half_ends = now + u64::from(self.half_period);
+            self.rising = true;
         }
         if store.get(TIM1 + BDTR) & MOE != 0 { self.legs(store) } else { Ok(()) }
     }
@@ -112,6 +123,7 @@ impl Bridge {
     /// A leg's switches would both be on.
     pub fn next(&mut self, store: &Store) -> Result<(), String> {
         self.update(store);
+        self.rising = !self.rising;
         self.half_ends += u64::from(self.half_period);
         if store.get(TIM1 + BDTR) & MOE != 0 { self.legs(store) } else { Ok(()) }
     }
@@ -131,9 +143,46 @@ impl Bridge {
         if self.system_active {
             store.put(TIM1 + SR, SYSTEM_BREAK, true);
         }
-        if pin || self.system_active {
+        let second = self.second(store);
+        if second {
+            store.put(TIM1 + SR, SECOND_BREAK, true);
+        }
+        if pin || second || self.system_active {
             store.put(TIM1 + BDTR, MOE, false);
         }
+    }
+
+    /// A comparator acts on the second break.
+    fn second(&self, store: &Store) -> bool {
+        store.get(TIM1 + BDTR) & 1 << 24 != 0 && store.get(TIM1 + AF2) & self.comparators != 0
+    }
+
+    /// Whether TRGO2 rises once per period, close to the counter's lowest: OC4REF, in PWM mode 1.
+    pub fn triggers(&self, store: &Store) -> bool {
+        let chosen = store.get(TIM1 + CR2) >> 20 & 0xf == 7 && store.get(TIM1 + CCMR2) >> 12 & 7 == PWM_MODE_1;
+        chosen && (1..self.half_period / 10).contains(&(store.get(TIM1 + CCR4) & 0xffff))
+    }
+
+    /// What the bridge gives in the present half period: parts of the supply with their clocks, one after the other.
+    pub fn pieces(&self, store: &Store) -> Vec<(f64, u32)> {
+        let (half, dead) = (self.half_period, dead_clocks(store.get(TIM1 + BDTR) & 0xff));
+        // Each pulse ends on the way up, and begins, later by the dead time, on the way down.
+        let edges = self.shadow.map(|compare| {
+            let compare = compare.min(half);
+            if self.rising { compare } else { half - compare.saturating_sub(dead) }
+        });
+        let mut ends = vec![edges[0], edges[1], half];
+        ends.sort_unstable();
+        let high = |leg: usize, at: u32| f64::from(u8::from((at < edges[leg]) == self.rising));
+        let mut from = 0;
+        let mut pieces = Vec::new();
+        for end in ends {
+            if end > from {
+                pieces.push((high(0, from) - high(1, from), end - from));
+                from = end;
+            }
+        }
+        pieces
     }
 
     /// Whether the outputs are on.
@@ -165,6 +214,10 @@ impl Bridge {
             "and off would leave them floating (OSSI, OSSR)"
         } else if bdtr & 1 << 12 == 0 || store.get(TIM1 + AF1) & 1 == 0 {
             "without the break input (BKE, AF1.BKINE)"
+        } else if store.get(TIM1 + AF2) & 1 != 0 {
+            "with a second break input that has no pin (AF2.BK2INE)"
+        } else if store.get(TIM1 + AF2) & 0xfe != 0 && bdtr & 3 << 24 != 3 << 24 {
+            "without the break of the comparators, active high (BK2E, BK2P)"
         } else if bdtr & 1 << 14 != 0 {
             "and would come on again by themselves after a break (AOE)"
         } else if store.get(TIM1 + CR2) & 0xf00 != 0 {

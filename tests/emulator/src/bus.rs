@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use breakaway::device::virtual_board::SimulatedMachine;
 use breakaway_core::link::FULL_SCALE_CODE;
 
+use crate::analog::{ADC1, Analog, COMPARATORS, DAC1, DAC3};
 use crate::bridge::{Bridge, TIM1};
 use crate::core::{Core, NMI};
 use crate::cost::{BRIDGE_WAIT, Cost, FLASH_WAIT, cost};
@@ -18,6 +19,7 @@ use crate::store::Store;
 use crate::timers::{TIM2, TIM5, TIM6, Timers};
 use crate::unicorn::{Around, Cpu};
 use crate::watchdog::{IWDG, Watchdog};
+use crate::winding::Winding;
 pub use rules::Broken;
 
 /// Core clocks per second, once it runs from the PLL.
@@ -64,6 +66,10 @@ pub struct Bus {
     pub core: Core,
     /// The axis.
     pub plant: SimulatedMachine,
+    /// The motor's winding with a shunt amplifier; `None`: the drive acts on the axis at once, and nothing measures.
+    pub winding: Option<Winding>,
+    /// ADC, DACs, comparators.
+    pub analog: Analog,
     /// When the bridge last drove it, cycles.
     pub driven_at: u64,
     /// Drive of the last step, drive codes.
@@ -73,6 +79,8 @@ pub struct Bus {
     /// The first rule that was broken.
     pub broken: Option<Broken>,
     stepped_at: u64,
+    /// Position at the last step.
+    position: f64,
     /// What follows the last block where its branch is not taken, and the cycles less that it then takes.
     falls_to: (u32, u32),
     costs: Vec<Cost>,
@@ -97,11 +105,14 @@ impl Bus {
             watchdog: Watchdog::default(),
             core: Core::default(),
             plant,
+            winding: None,
+            analog: Analog::default(),
             driven_at: 0,
             drive_code: 0,
             transition_error: false,
             broken: None,
             stepped_at: 0,
+            position: 0.0,
             falls_to: (0, 0),
             costs: vec![Cost::default(); HALVES as usize],
         }
@@ -118,6 +129,7 @@ impl Bus {
         let pin_active = self.bridge.pin_active;
         self.bridge = Bridge::default();
         self.bridge.pin_active = pin_active;
+        self.analog.reset();
         (self.timers, self.watchdog, self.core) = Default::default();
     }
 
@@ -131,12 +143,42 @@ impl Bus {
             if self.drive_code != 0 {
                 self.driven_at = self.stepped_at;
             }
-            self.plant.advance(self.drive_code);
+            let code = self.wind(enabled);
+            self.plant.advance(code.unwrap_or(self.drive_code));
             if self.bridge.ends(&self.store).is_some_and(|end| end <= self.stepped_at) {
+                let lowest = !self.bridge.rising;
                 let next = self.bridge.next(&self.store);
                 self.check("TIM1", next);
+                if lowest && self.bridge.triggers(&self.store) && Analog::triggered(&self.store) {
+                    let current = self.winding.map(|winding| winding.current);
+                    let converted = self.analog.convert(current, &mut self.store);
+                    self.check("ADC1", converted);
+                }
             }
         }
+    }
+
+    /// The winding in this step; what then drives the axis, R·i as a drive code of twice the supply (the axis has that range, as a
+    /// reversal makes up to twice the current of the supply).
+    fn wind(&mut self, enabled: bool) -> Option<i16> {
+        let mut winding = self.winding?;
+        let position = self.plant.position();
+        let seconds = STEP_CYCLES as f64 / CORE_HZ as f64;
+        let speed = (position - self.position) / seconds;
+        self.position = position;
+        let mut driven = 0.0;
+        let pieces = if self.bridge.on(&self.store) { self.bridge.pieces(&self.store) } else { vec![] };
+        let pieces = if pieces.is_empty() { vec![(0.0, STEP_CYCLES as u32)] } else { pieces };
+        for (share, clocks) in pieces {
+            let volts = (enabled && self.bridge.on(&self.store)).then_some(share * winding.supply);
+            let part = f64::from(clocks) / CORE_HZ as f64;
+            driven += winding.advance(volts, speed, part) * part / seconds;
+            self.bridge.comparators = self.analog.comparators(Some(winding.current), &self.store);
+            self.bridge.breaks(&mut self.store);
+        }
+        self.winding = Some(winding);
+        let code = driven * winding.resistance / (2.0 * winding.supply) * f64::from(FULL_SCALE_CODE);
+        Some(code.round() as i16)
     }
 
     fn check(&mut self, register: &str, result: Result<(), String>) {
@@ -180,6 +222,10 @@ impl Bus {
                 self.link.read(address, &self.store)
             }
             0x4800_0000..=0x4800_1fff => gpio::read(address, &self.store),
+            ADC1 => {
+                self.step();
+                self.analog.read(offset, self.time, &self.store)
+            }
             _ => self.store.get(address),
         })
     }
@@ -210,6 +256,12 @@ impl Bus {
                 self.pass(cpu);
                 self.link.write(cpu, address, value, now, &mut self.store)
             }
+            ADC1 => {
+                self.step();
+                self.analog.write(offset, value, now, &mut self.store)
+            }
+            DAC1 | DAC3 => Analog::write_dac(base, offset, value, store),
+            _ if COMPARATORS.contains(&address) => Analog::write_comparator(address, value, store),
             IWDG => self.watchdog.write(offset, value, now, store),
             0x4800_0000..=0x4800_1fff => gpio::write(address, value, self.bridge.on(store), store),
             0xe000_e000.. => self.core.write(address, value, store),

@@ -12,6 +12,7 @@ const IDR: u32 = 0x10;
 const AFRL: u32 = 0x20;
 const OUTPUT: u32 = 1;
 const ALTERNATE: u32 = 2;
+const ANALOG: u32 = 3;
 
 /// A pin: port and number.
 type Pin = (u32, u32);
@@ -38,6 +39,11 @@ pub fn given(pin: Pin, function: u32, store: &Store) -> bool {
 /// The first pin of the bridge that TIM1 does not have.
 pub fn not_given(store: &Store) -> Option<&'static str> {
     BRIDGE.into_iter().find(|(pin, _)| !given(*pin, TIM1_FUNCTION, store)).map(|(_, name)| name)
+}
+
+/// Whether a pin is analog.
+pub fn analog(pin: Pin, store: &Store) -> bool {
+    mode(pin, store) == ANALOG
 }
 
 /// Whether the program drives a pin high.

@@ -4,6 +4,7 @@
 //! and the program counter. The plant is driven by TIM1's compare registers and is read by TIM2.
 
 pub mod accident;
+pub mod analog;
 pub mod bench;
 pub mod bridge;
 pub mod bus;
@@ -21,3 +22,4 @@ pub mod terminal;
 pub mod timers;
 pub mod unicorn;
 pub mod watchdog;
+pub mod winding;

@@ -79,6 +79,7 @@ impl Machine {
         processor.map(0x2000_0000, 0x1_8000, Access::Data);
         processor.map_device::<0x4000_0000>(0x3_0000);
         processor.map_device::<0x4800_0000>(0x2000);
+        processor.map_device::<0x5000_0000>(0x2000);
         processor.map_device::<0xe000_e000>(0x1000);
         processor.map_device::<0xe004_2000>(0x1000);
         let mut flash = Vec::new();

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::registers::address;
 
 /// Registers that are not 0 after a reset (RM0440).
-const AFTER_RESET: [(&str, u32); 24] = [
+const AFTER_RESET: [(&str, u32); 27] = [
     ("RCC.CR", 0x0000_0500),
     ("RCC.ICSCR", 0x4000_0000),
     ("RCC.CFGR", 0x0000_0001),
@@ -30,6 +30,9 @@ const AFTER_RESET: [(&str, u32); 24] = [
     ("TIM2.ARR", 0xffff_ffff),
     ("TIM6.ARR", 0x0000_ffff),
     ("TIM1.AF1", 0x0000_0001),
+    ("TIM1.AF2", 0x0000_0001),
+    ("ADC1.CR", 0x2000_0000),
+    ("ADC1.CFGR", 0x8000_0000),
 ];
 
 /// The registers' content.

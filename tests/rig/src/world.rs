@@ -51,6 +51,14 @@ pub struct World<P> {
     pub reversed: bool,
     /// The hardware has switched the drive off.
     pub trip: Option<Trip>,
+    /// What is measured of the motor's current, mA.
+    pub current_ma: Option<i32>,
+    /// Largest that can be measured, mA; 0: none is.
+    pub current_range_ma: u32,
+    /// Level at which the board itself switches off, mA, as the application has set it.
+    pub current_limit_ma: u32,
+    /// The drive is what the settings say.
+    pub simulated: bool,
     /// By how much each tick comes late, µs.
     pub late_us: u32,
     /// The drive fails.
@@ -139,6 +147,12 @@ impl<P> Clock for Shared<P> {
 impl<P> Protection for Shared<P> {
     fn tripped(&mut self) -> Option<Trip> {
         self.0.borrow().trip
+    }
+    fn current_ma(&mut self) -> Option<i32> {
+        self.0.borrow().current_ma
+    }
+    fn limit_current(&mut self, limit_ma: u32) {
+        self.0.borrow_mut().current_limit_ma = limit_ma;
     }
     fn watchdog_reset(&self) -> bool {
         self.0.borrow().watchdog_reset

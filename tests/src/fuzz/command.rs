@@ -7,7 +7,9 @@
 use breakaway_core::link::{
     Command, Decoder, Event, MAX_FRAME, MAX_MESSAGE, Message, Reply, Request, Settings, encode,
 };
-use breakaway_firmware::app::{App, Channels, Identity, Sums, Tick, TickSettings, TrackController, Wish, guards};
+use breakaway_firmware::app::{
+    App, Channels, Identity, PowerStage, Sums, Tick, TickSettings, TrackController, Wish, guards,
+};
 use breakaway_firmware::storage::{Loaded, NoStore};
 use breakaway_rig::{Shared, TICK_HZ};
 use serde::Serialize;
@@ -95,7 +97,8 @@ pub fn run(bytes: &[u8]) -> bool {
         build: "fuzz",
         tick_hz: TICK_HZ,
         drive_max_code: breakaway_core::link::FULL_SCALE_CODE,
-        measures_current: false,
+        current_range_ma: 0,
+        power_stage: PowerStage::Bridge,
     };
     let mut sums = Sums::new();
     let mut channels = Channels::new();

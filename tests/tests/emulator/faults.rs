@@ -140,7 +140,12 @@ fn every_fault_is_provoked() {
         (FaultCause::ModelLost, "a record whose sum is right and whose model is none is in the storage's own test"),
         (FaultCause::NotFinite, "no command makes the image's controllers compute it"),
     ];
-    let source = concat!(include_str!("faults.rs"), include_str!("flash.rs"), include_str!("resets.rs"));
+    let source = concat!(
+        include_str!("current.rs"),
+        include_str!("faults.rs"),
+        include_str!("flash.rs"),
+        include_str!("resets.rs")
+    );
     for cause in FaultCause::ALL {
         let name = format!("FaultCause::{cause:?}");
         let named = source.matches(&format!("{name})")).count() + source.matches(&format!("{name},")).count();

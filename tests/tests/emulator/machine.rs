@@ -1,6 +1,6 @@
 //! A board with the papers' axis, its settings made for it.
 
-use breakaway_core::link::{Bounds, Command, Ended, FULL_SCALE_CODE, Reference, Relay, Settings};
+use breakaway_core::link::{Bounds, Command, Ended, FULL_SCALE_CODE, Push, Reference, Relay, Settings};
 use breakaway_emulator::bench::Bench;
 use breakaway_rig::code;
 
@@ -16,7 +16,11 @@ pub fn axis() -> Bench {
 
 /// With settings changed.
 pub fn axis_with(change: impl FnOnce(&mut Settings)) -> Bench {
-    let mut bench = board();
+    scaled(board(), change)
+}
+
+/// Settings for the axis, changed.
+pub fn scaled(mut bench: Bench, change: impl FnOnce(&mut Settings)) -> Bench {
     let mut settings = Settings {
         position_per_count: 1e-3,
         drive_full_scale: 5.0,
@@ -30,6 +34,11 @@ pub fn axis_with(change: impl FnOnce(&mut Settings)) -> Bench {
     change(&mut settings);
     bench.done(Command::SetSettings(settings));
     bench
+}
+
+/// A constant drive, V, for so many ticks.
+pub fn push(volts: f64, ticks: u32) -> Command {
+    Command::Jog(Push { drive_code: code(volts), bounds: Bounds { max_ticks: ticks, ..Bounds::default() } })
 }
 
 /// A dual relay of amplitudes in V, until it is stopped where `ticks` is 0.

@@ -13,6 +13,7 @@ macro_rules! needs_unicorn {
 
 mod boot;
 mod cost;
+mod current;
 mod faults;
 mod flash;
 mod identify;

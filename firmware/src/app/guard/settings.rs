@@ -17,6 +17,8 @@ pub struct Guards {
     pub tick_hz: u32,
     /// Limit: motor current, mA; 0 for none.
     pub current_ma: u32,
+    /// Ticks in a row above it that end the run: those of 1 ms. PWM and the edges of a relay are shorter, a winding heats up slower.
+    pub current_ticks: u32,
     /// Limit: mean of |drive|, drive codes. Beyond, the run ends.
     pub mean_drive_code: i16,
     /// The mean is a leaky average over 2^shift ticks: about a second.
@@ -66,6 +68,7 @@ impl Guards {
             counts_in_16_ticks: u32::try_from(counts_in_16_ticks).unwrap_or(u32::MAX),
             tick_hz,
             current_ma: settings.current_max_ma,
+            current_ticks: tick_hz.div_ceil(1000),
             mean_drive_code: settings.mean_drive_max_code,
             mean_shift: mean_shift as u8,
             frozen_ticks: settings.frozen_ticks,

@@ -2,12 +2,13 @@
 
 use breakaway_core::excite::relay::{DualRelay, RelayError};
 use breakaway_core::link::{
-    Bounds, Command, CommandError, Field, Info, Mode, PROTOCOL_VERSION, Push, Relay, Reply, Request, SCHEMA, Status,
-    Text, Track, Trajectory,
+    Bounds, Command, CommandError, DriveUnit, FULL_SCALE_CODE, Field, Info, Mode, PROTOCOL_VERSION, Push, Relay, Reply,
+    Request, SCHEMA, Settings, Status, Text, Track, Trajectory,
 };
 
-use super::{App, Experiment, Planner, Then, Waiting};
+use super::{App, Experiment, Identity, Planner, PowerStage, Then, Waiting};
 use crate::app::channels::Order;
+use crate::app::control::ControlPlan;
 use crate::app::excite::Excitation;
 use crate::app::guard::Guards;
 use crate::app::run::RunOrder;
@@ -30,13 +31,14 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             Command::Status => self.outbox.reply(id, Reply::Status(self.status())),
             Command::GetSettings => self.outbox.reply(id, Reply::Settings(self.settings)),
             // What nothing measures would protect nothing.
-            Command::SetSettings(settings) if settings.current_max_ma > 0 && !self.identity.measures_current => {
+            Command::SetSettings(settings) if settings.current_max_ma > self.identity.current_range_ma => {
                 return Err(CommandError::Settings(Field::CurrentMax));
             }
             Command::SetSettings(settings) if settings.drive_max_code > self.identity.drive_max_code => {
                 return Err(CommandError::Settings(Field::DriveMax));
             }
             Command::SetSettings(settings) => {
+                self.current_plan(&settings)?;
                 self.ask(id, Order::Guards(Guards::new(&settings, self.identity.tick_hz)), Then::Settings(settings));
             }
             Command::GetModel => self.outbox.reply(id, Reply::Model(self.model.clone())),
@@ -54,7 +56,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             }
             Command::StartRelay(relay) => self.relay(id, &relay)?,
             Command::StartDrive(drive) => {
-                self.start(id, RunOrder::Excite(Excitation::Drive(drive)), drive.bounds, Then::Nothing);
+                self.start(id, RunOrder::Excite(Excitation::Drive(drive)), drive.bounds, Then::Nothing)?;
             }
             Command::StartTrack(track) => self.track(id, &track)?,
             Command::LoadWaveform(part) => self.ask(id, Order::Waveform(part), Then::Nothing),
@@ -95,9 +97,33 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
 
     /// As [`Self::ask`], of a run.
     #[inline(never)]
-    fn start(&mut self, id: u16, run: RunOrder<P::Plan>, bounds: Bounds, then: Then) {
-        let taken = self.channels.runs.enqueue((run, bounds)).is_ok();
+    fn start(&mut self, id: u16, run: RunOrder<P::Plan>, bounds: Bounds, then: Then) -> Result<(), CommandError> {
+        let current = self.current_plan(&self.settings)?;
+        let taken = self.channels.runs.enqueue((run, bounds, current)).is_ok();
         self.asked(id, then, taken);
+        Ok(())
+    }
+
+    /// The current loop where the drive is a current, which must be one that is measured. What takes a drive in A as it is has none.
+    #[inline(never)]
+    fn current_plan(&self, settings: &Settings) -> Result<Option<<P::Plan as ControlPlan>::Current>, CommandError> {
+        if settings.drive_unit != DriveUnit::Ampere {
+            return Ok(None);
+        }
+        let Identity { current_range_ma, tick_hz, power_stage, .. } = self.identity;
+        if power_stage == PowerStage::AsSet && settings.motor_resistance_ohm <= 0.0 {
+            return Ok(None);
+        }
+        if current_range_ma == 0 {
+            return Err(CommandError::Settings(Field::DriveUnit));
+        }
+        let largest =
+            1000.0 * settings.drive_full_scale * f32::from(settings.drive_max_code) / f32::from(FULL_SCALE_CODE);
+        // A rounding above it is not above it.
+        if largest > 1.000_1 * current_range_ma as f32 {
+            return Err(CommandError::Settings(Field::DriveMax));
+        }
+        self.planner.current(settings, tick_hz).map(Some)
     }
 
     fn asked(&mut self, id: u16, then: Then, taken: bool) {
@@ -115,8 +141,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         if drive_code.unsigned_abs() > self.settings.mean_drive_max_code.unsigned_abs() {
             return Err(CommandError::Range(Field::PushDrive));
         }
-        self.start(id, RunOrder::Excite(Excitation::Push { drive_code, stop_at }), bounds, Then::Nothing);
-        Ok(())
+        self.start(id, RunOrder::Excite(Excitation::Push { drive_code, stop_at }), bounds, Then::Nothing)
     }
 
     fn relay(&mut self, id: u16, relay: &Relay) -> Result<(), CommandError> {
@@ -131,16 +156,14 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
         })?;
         let run = RunOrder::Excite(Excitation::Relay { relay: relays, reference: relay.reference });
         let experiment = Experiment::new(relay, hysteresis);
-        self.start(id, run, relay.bounds, Then::Relay(experiment));
-        Ok(())
+        self.start(id, run, relay.bounds, Then::Relay(experiment))
     }
 
     #[inline(never)]
     fn track(&mut self, id: u16, track: &Track) -> Result<(), CommandError> {
         let plan = self.planner.plan(track, self.model.as_ref(), &self.settings, self.identity.tick_hz)?;
         let run = if track.trajectory == Trajectory::Hold { RunOrder::Hold(plan) } else { RunOrder::Track(plan) };
-        self.start(id, run, track.bounds, Then::Track(*track));
-        Ok(())
+        self.start(id, run, track.bounds, Then::Track(*track))
     }
 
     fn mode(&self) -> Mode {
@@ -163,6 +186,7 @@ impl<'a, P: Planner, W: Wire, S: Store> App<'_, 'a, P, W, S> {
             position_unit: self.settings.position_unit,
             drive_full_scale: self.settings.drive_full_scale,
             drive_unit: self.settings.drive_unit,
+            current_range_ma: self.identity.current_range_ma,
         }
     }
 

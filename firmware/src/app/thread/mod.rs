@@ -37,8 +37,20 @@ pub struct Identity {
     pub tick_hz: u32,
     /// Largest drive that its power stage gives, drive codes: settings above are refused.
     pub drive_max_code: i16,
-    /// It measures the motor's current ([`crate::board::Protection::current_ma`]); else a limit of it is refused.
-    pub measures_current: bool,
+    /// Largest motor current that it measures either way, mA ([`crate::board::Protection::current_ma`]); 0: none is measured, and a
+    /// limit of it is refused.
+    pub current_range_ma: u32,
+    /// What its drive is.
+    pub power_stage: PowerStage,
+}
+
+/// What a power stage makes of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PowerStage {
+    /// A voltage: a drive in A needs the current loop, and with it a current that is measured.
+    Bridge,
+    /// What the settings say, as in a simulated machine: its drive has the unit of its model.
+    AsSet,
 }
 
 /// What the main loop should do after a poll.

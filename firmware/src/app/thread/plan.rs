@@ -1,8 +1,8 @@
 //! From a command to what the controller in the tick needs.
 
 use breakaway_core::control::{
-    Adaptation, Adaptive, AdaptiveError, Compensator, Controller, Estimates, Fast, Gains, Phases, Pid, Profile, Sine,
-    TuningError, lead_s, least_delta,
+    Adaptation, Adaptive, AdaptiveError, Compensator, Controller, CurrentLoop, CurrentLoopError, Estimates, Fast,
+    Gains, Phases, Pid, Profile, Sine, TuningError, Winding, lead_s, least_delta,
 };
 use breakaway_core::excite::waveform::phase_step;
 use breakaway_core::link::{
@@ -11,6 +11,7 @@ use breakaway_core::link::{
 use breakaway_core::plant::{Base, Effect, MAX_EFFECTS};
 
 use crate::app::control::{ControlPlan, NoController, PositionController};
+use crate::app::current::CurrentPlan;
 use crate::app::follow::{FollowRules, Knot};
 use crate::app::track::{Path, TrackController, TrackPlan};
 
@@ -31,6 +32,12 @@ pub trait Planner {
         tick_hz: u32,
     ) -> Result<Self::Plan, CommandError>;
 
+    /// The current loop of checked settings whose drive is a current.
+    ///
+    /// # Errors
+    /// The setting that is out of range for it, or that this build cannot do it.
+    fn current(&self, settings: &Settings, tick_hz: u32) -> Result<<Self::Plan as ControlPlan>::Current, CommandError>;
+
     /// A checked set-point in the controller's numbers; `None` where no plan can be made either.
     fn knot(&self, point: &SetPoint, tick_hz: u32) -> Option<<Self::Plan as ControlPlan>::Knot>;
 }
@@ -42,6 +49,10 @@ impl Planner for NoController {
         Err(CommandError::Unsupported)
     }
 
+    fn current(&self, _: &Settings, _: u32) -> Result<core::convert::Infallible, CommandError> {
+        Err(CommandError::Unsupported)
+    }
+
     fn knot(&self, _: &SetPoint, _: u32) -> Option<core::convert::Infallible> {
         None
     }
@@ -49,6 +60,9 @@ impl Planner for NoController {
 
 /// From a reading to its drive, whole ticks: it is applied in the same one.
 const DELAY_TICKS: u32 = 0;
+/// From the reading of the current to the middle of the voltage's hold, ticks: at most half of one until the PWM takes it over, and half of
+/// the hold.
+const CURRENT_DELAY_TICKS: f32 = 1.0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
 const NO_INERTIA: f32 = 1e-30;
 
@@ -135,6 +149,26 @@ impl<R: Fast> Planner for TrackController<R> {
             counts_per_position: real(1.0 / settings.position_per_count),
             codes_per_drive: real(f32::from(FULL_SCALE_CODE) / settings.drive_full_scale),
         })
+    }
+
+    #[inline(never)]
+    fn current(&self, settings: &Settings, tick_hz: u32) -> Result<CurrentPlan<R>, CommandError> {
+        let tick_s = 1.0 / tick_hz.max(1) as f32;
+        let winding = Winding { resistance: settings.motor_resistance_ohm, inductance: settings.motor_inductance_h };
+        let bandwidth = core::f32::consts::TAU * settings.current_bandwidth_hz;
+        let full = f32::from(FULL_SCALE_CODE);
+        let volt = full / settings.supply_v;
+        let control = CurrentLoop::new(&winding, bandwidth, tick_s, CURRENT_DELAY_TICKS * tick_s, volt, 1000.0);
+        let control = control.map_err(|error| {
+            CommandError::Settings(match error {
+                CurrentLoopError::Resistance => Field::Resistance,
+                CurrentLoopError::Inductance => Field::Inductance,
+                CurrentLoopError::Bandwidth => Field::CurrentBandwidth,
+                CurrentLoopError::Tick => Field::Supply,
+            })
+        })?;
+        let ma_per_code = 1000.0 * settings.drive_full_scale / full;
+        Ok(CurrentPlan { control, ma_per_code: real(ma_per_code), codes_per_ma: real(1.0 / ma_per_code) })
     }
 
     fn knot(&self, point: &SetPoint, tick_hz: u32) -> Option<Knot<R>> {

@@ -61,14 +61,26 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         match trip {
             Trip::Break(number) => self.fail(FaultCause::BreakInput, number, 0),
             Trip::EmergencyStop => self.fail(FaultCause::EmergencyStop, 0, 0),
+            Trip::OverCurrent(level) => {
+                let now = self.current_ma.unwrap_or(0);
+                self.fail(FaultCause::OverCurrent, now, clamped(level));
+            }
             Trip::Supply(millivolts) => self.fail(FaultCause::Supply, millivolts, 0),
         }
     }
 
-    #[cold]
+    /// The current is limited: by the time that it may be above the limit.
+    #[inline(never)]
     pub(super) fn current(&mut self) {
-        if let Some(value) = self.board.protection().current_ma().filter(|now| *now > self.guards.current_ma) {
-            self.end(Ending::Limit { limit: Limit::Current, value: clamped(value) });
+        let Some(now) = self.current_ma else {
+            self.fail(FaultCause::CurrentSensor, 0, clamped(self.guards.current_ma));
+            return;
+        };
+        let above = now.unsigned_abs() > self.guards.current_ma;
+        let Some(run) = &mut self.run else { return };
+        run.over_current_ticks = if above { run.over_current_ticks.saturating_add(1) } else { 0 };
+        if run.over_current_ticks >= self.guards.current_ticks {
+            self.end(Ending::Limit { limit: Limit::Current, value: now });
         }
     }
 

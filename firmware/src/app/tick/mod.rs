@@ -53,6 +53,8 @@ pub struct Tick<'q, 'a, B: Board, C: PositionController> {
     fault: Option<FaultRecord>,
     accumulation: Option<Accumulation<'a>>,
     applied: Applied,
+    /// The motor's current in this tick, mA, where it is measured.
+    current_ma: Option<i32>,
     /// Added to what the encoder says, counts: where zero is.
     zero_offset: i32,
     now: u32,
@@ -75,6 +77,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
     ) -> Self {
         // The power stage is off after reset; a board that cannot even confirm it has a fault.
         let off = board.drive().off();
+        board.protection().limit_current(guards.current_ma);
         let remembered = Remembered::from_words(board.retained().read());
         let by_watchdog = board.protection().watchdog_reset();
         let mut tick = Self {
@@ -88,6 +91,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             fault: None,
             accumulation: None,
             applied: Applied::default(),
+            current_ma: None,
             zero_offset: 0,
             now: 0,
             last_count: None,
@@ -141,11 +145,13 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             let count = if self.guards.reversed { count.wrapping_neg() } else { count };
             self.take_order(count.wrapping_add(self.zero_offset));
             self.process_reading(count.wrapping_add(self.zero_offset), alive);
+            self.take_run(count.wrapping_add(self.zero_offset));
         } else {
             // No sample: a position that was not read must not be recorded.
             self.fail(FaultCause::EncoderError, 0, 0);
             self.last_count = None;
             self.take_order(0);
+            self.take_run(0);
         }
         self.send();
         let took_us = elapsed_us(start_us, self.board.clock().now_us());
@@ -173,6 +179,7 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
     fn process_reading(&mut self, count: i32, alive: bool) {
         let moved = self.last_count.map_or(0, |last| travel(last, count));
         self.last_count = Some(count);
+        self.current_ma = self.board.protection().current_ma();
         if moved.unsigned_abs() > self.guards.jump_counts {
             self.fail(FaultCause::EncoderJump, moved, clamped(self.guards.jump_counts));
         }
@@ -184,7 +191,8 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         if let (Some(accumulation), Some(run)) = (&mut self.accumulation, &self.run) {
             accumulation.push(self.now, travel(run.start, count));
         }
-        let sample = Sample { tick: self.now, count, drive_code: self.applied.code, reference, mode: self.mode() };
+        let (drive_code, mode) = (self.applied.code, self.mode());
+        let sample = Sample { tick: self.now, count, drive_code, reference, mode, current_ma: self.current_ma };
         // Where the queue is full the sample is lost, and the step in the tick numbers tells.
         let _ = self.channels.samples.enqueue(sample);
     }
@@ -225,6 +233,26 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
         self.end(ending);
     }
 
+    /// Applies a drive that is a current, drive codes: by the current loop.
+    #[inline(never)]
+    fn regulate(&mut self, drive_code: i32) {
+        let Some(current_ma) = self.current_ma else {
+            self.fail(FaultCause::CurrentSensor, 0, clamped(self.guards.current_ma));
+            return;
+        };
+        let Some(asked) = self.controller.voltage(drive_code, current_ma) else {
+            self.fail(FaultCause::NotFinite, 0, 0);
+            return;
+        };
+        match self.board.drive().apply(asked) {
+            Ok(applied) => {
+                let code = self.controller.applied(asked, applied);
+                self.applied = Applied { code, limited: applied.limited };
+            }
+            Err(_) => self.fail(FaultCause::DriveStage, asked, 0),
+        }
+    }
+
     /// Asks the mode for its drive and applies it; the reference in counts.
     fn drive(&mut self, count: i32) -> i32 {
         let Some(run) = &mut self.run else {
@@ -241,16 +269,20 @@ impl<'q, 'a, B: Board, C: PositionController> Tick<'q, 'a, B, C> {
             Source::Control => self.controller.tick(distance, &mut self.channels.set_points),
         };
         let limit = i32::from(run.watch.limits().drive_code);
-        let start = run.start;
+        let (start, regulated) = (run.start, run.regulated);
         let Some((command, reference)) = asked else {
             self.no_drive();
             return count;
         };
         // Not `clamp`, which panics where it cannot see that the limit is positive.
         let cut = command.min(limit).max(-limit);
-        match self.board.drive().apply(cut) {
-            Ok(applied) => self.applied = applied,
-            Err(_) => self.fail(FaultCause::DriveStage, command, 0),
+        if regulated {
+            self.regulate(cut);
+        } else {
+            match self.board.drive().apply(cut) {
+                Ok(applied) => self.applied = applied,
+                Err(_) => self.fail(FaultCause::DriveStage, command, 0),
+            }
         }
         start.wrapping_add(reference)
     }

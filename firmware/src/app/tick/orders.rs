@@ -1,4 +1,4 @@
-//! Orders, as the tick takes them: one per tick, and a run when there is none.
+//! Orders, as the tick takes them: one per tick, and after it a run when none is left.
 
 use breakaway_core::link::{Bounds, CommandError, Ended, Ending, FaultCause, Mode};
 
@@ -10,15 +10,23 @@ use crate::app::excite::{Excitation, Exciter};
 use crate::app::guard::{Held, Watch};
 use crate::app::memory::Remembered;
 use crate::app::run::{Run, RunLimits, RunOrder, Source};
-use crate::board::{Applied, Board, Drive, Retained, travel};
+use crate::board::{Applied, Board, Drive, Protection, Retained, travel};
 
 impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
-    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    /// Takes an order, before anything is driven.
+    #[allow(clippy::inline_always, reason = "a comparison, in every tick of an image built for size")]
     #[inline(always)]
     pub(super) fn take_order(&mut self, count: i32) {
         if self.channels.orders.ready() {
             self.carry_out(count);
-        } else if self.channels.runs.ready() {
+        }
+    }
+
+    /// Starts a run, whose first drive is in the next tick: no tick copies a plan and computes a drive.
+    #[allow(clippy::inline_always, reason = "two comparisons, in every tick of an image built for size")]
+    #[inline(always)]
+    pub(super) fn take_run(&mut self, count: i32) {
+        if self.channels.runs.ready() && !self.channels.orders.ready() {
             self.begin(count);
         }
     }
@@ -52,6 +60,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
                     // The sign of the count may change with it.
                     self.last_count = None;
                     self.guards = guards.after(&self.guards);
+                    self.board.protection().limit_current(self.guards.current_ma);
                 }
                 self.answer(idle);
             }
@@ -86,7 +95,7 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
 
     /// Starts the next run from where it lies: a controller's plan is long, and copied once only.
     fn start(&mut self, count: i32) -> Result<(), CommandError> {
-        let Some((order, bounds)) = self.channels.runs.peek() else {
+        let Some((order, bounds, current)) = self.channels.runs.peek() else {
             return Ok(());
         };
         let bounds: Bounds = *bounds;
@@ -115,13 +124,26 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
                 (Source::Control, Mode::Hold)
             }
         };
+        let regulated = current.is_some();
+        if let Some(current) = current {
+            self.controller.start_current(*current);
+        }
         if self.board.drive().enable().is_err() {
             self.fail(FaultCause::DriveStage, 0, 0);
             return Err(CommandError::Faulted);
         }
         self.channels.set_points.clear();
         let watch = Watch::new(&self.guards, RunLimits::new(&self.guards, bounds, limits), count, held);
-        self.run = Some(Run { source, watch, start: count, ticks: 0, max_ticks: bounds.max_ticks, mode });
+        self.run = Some(Run {
+            source,
+            watch,
+            start: count,
+            ticks: 0,
+            max_ticks: bounds.max_ticks,
+            mode,
+            regulated,
+            over_current_ticks: 0,
+        });
         self.board.retained().write(Remembered::Running(self.now).to_words());
         Ok(())
     }
@@ -158,7 +180,11 @@ impl<B: Board, C: PositionController> Tick<'_, '_, B, C> {
         let stage = matches!(
             ending,
             Ending::Fault(
-                FaultCause::BreakInput | FaultCause::EmergencyStop | FaultCause::Supply | FaultCause::DriveStage
+                FaultCause::BreakInput
+                    | FaultCause::EmergencyStop
+                    | FaultCause::OverCurrent
+                    | FaultCause::Supply
+                    | FaultCause::DriveStage
             )
         );
         self.guards.brake && !stage

@@ -10,12 +10,13 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_stm32::gpio::Output;
 use embassy_stm32::pac;
-use embassy_stm32::pac::timer::vals::{Cms, Ocm, Ossi, Ossr};
+use embassy_stm32::pac::timer::vals::{Bkp, Cms, Mms2, Ocm, Ossi, Ossr};
 use embedded_hal::digital::{self, OutputPin, PinState};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
 use super::constants::{
-    BREAK_FILTER, BREAK_LEVEL, BREAK_PIN, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE, PWM_COUNTS, SYSTEM_BREAK,
+    BREAK_FILTER, BREAK_LEVEL, BREAK_PIN, CURRENT_TRIGGER, DEAD_TIME_CODE, DEAD_TIME_COUNTS, DRIVE_MAX_CODE,
+    OVER_CURRENT_FILTER, PWM_COUNTS, SYSTEM_BREAK,
 };
 use crate::board::{Limits, SignMagnitude, Trip};
 
@@ -54,6 +55,10 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
             outputs.set_ocpe(leg, true);
         }
     });
+    // Channel 4 has no pin: its rise starts the ADC.
+    timer.ccmr_output(1).write(|outputs| outputs.set_ocm(1, Ocm::PWM_MODE1));
+    timer.ccr(3).write(|compare| compare.set_ccr(CURRENT_TRIGGER));
+    timer.cr2().write(|control| control.set_mms2(Mms2::COMPARE_OC4));
     timer.ccer().write(|outputs| {
         for leg in [0, 1] {
             outputs.set_cce(leg, true);
@@ -62,6 +67,8 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
     });
     // The pin; the breaks of the system come beside it (`system_breaks`).
     timer.af1().write(|breaks| breaks.set_bkine(true));
+    // The second break has no pin; the comparators come to it where the current is measured (`over_current.rs`).
+    timer.af2().write(|_| {});
     // MOE = 0: off. Off means driven to the inactive level, not left floating: then all outputs are low (the reset value of
     // OISx and OISxN). AOE = 0: nothing comes on by itself.
     timer.bdtr().write(|break_and_dead_time| {
@@ -71,6 +78,10 @@ pub(super) fn bridge(input: Output<'static>, lamp: Output<'static>) -> Bridge {
         break_and_dead_time.set_bkp(0, BREAK_LEVEL);
         break_and_dead_time.set_bkf(0, BREAK_FILTER);
         break_and_dead_time.set_bke(0, true);
+        // Whatever the pin's level, a comparator's is high.
+        break_and_dead_time.set_bkp(1, Bkp::ACTIVE_HIGH);
+        break_and_dead_time.set_bkf(1, OVER_CURRENT_FILTER);
+        break_and_dead_time.set_bke(1, true);
     });
     timer.cr1().write(|control| {
         control.set_cms(Cms::CENTER_ALIGNED3);
@@ -91,20 +102,28 @@ pub fn open_all_switches() {
     pac::TIM1.bdtr().modify(|break_and_dead_time| break_and_dead_time.set_moe(false));
 }
 
-/// What has switched TIM1 off since it was last asked, or does so now: the pin, or a break of the system.
-pub fn take_break() -> Option<Trip> {
+/// Flag of the second break (RM0440, TIM1_SR, B2IF); the crate of the registers does not name it.
+const SECOND_BREAK: u32 = 1 << 8;
+
+/// What has switched TIM1 off since it was last asked, or does so now: the pin, a break of the system, or an over-current above
+/// `level_ma`.
+pub fn take_break(level_ma: u32) -> Option<Trip> {
     let flags = pac::TIM1.sr().read();
-    let (pin, system) = (flags.bif(0), flags.sbif());
-    if pin || system {
+    let (pin, system, current) = (flags.bif(0), flags.sbif(), flags.0 & SECOND_BREAK != 0);
+    if pin || system || current {
         // All flags but these keep their value when 1 is written; what is no flag takes 0. One is set again at once while its
         // cause lasts.
         pac::TIM1.sr().write(|flags| {
-            flags.0 = FLAGS;
+            flags.0 = FLAGS & !SECOND_BREAK;
             flags.set_bif(0, false);
             flags.set_sbif(false);
         });
     }
-    if system { Some(SYSTEM_BREAK) } else { pin.then_some(BREAK_PIN) }
+    match (system, current) {
+        (true, _) => Some(SYSTEM_BREAK),
+        (_, true) => Some(Trip::OverCurrent(level_ma)),
+        _ => pin.then_some(BREAK_PIN),
+    }
 }
 
 impl pwm::ErrorType for Magnitude {
@@ -158,7 +177,7 @@ impl OutputPin for Enable {
     /// While the break input is active the timer keeps its outputs off, whatever the command is. The tick sees that
     /// by [`take_break`], which is why a trip from before is forgotten here.
     fn set_high(&mut self) -> Result<(), Infallible> {
-        take_break();
+        take_break(0);
         pac::TIM1.bdtr().modify(|break_and_dead_time| break_and_dead_time.set_moe(true));
         self.input.set_high();
         self.lamp.set_high();

@@ -58,6 +58,45 @@ pub const TIM1_FUNCTION: u8 = 6;
 /// That which is TIM2 on PA0 and PA1.
 pub const TIM2_FUNCTION: u8 = 1;
 
+/// The second break input, which the comparators of the over-current act on, is filtered as the first.
+pub const OVER_CURRENT_FILTER: FilterValue = BREAK_FILTER;
+
+/// Shunt in the motor's lead, µΩ. A property of *your* stage, as the next one: 10 mΩ is 0.1 W at 3 A.
+pub const SHUNT_MICRO_OHM: u64 = 10_000;
+/// Gain of the shunt amplifier, V/V: an INA240A2 (data sheet SBOS662), which rejects the steps of the PWM on the motor's lead. Its
+/// output is half of the 3.3 V without a current, and rises with a current from leg A to leg B.
+pub const AMPLIFIER_GAIN: u64 = 50;
+/// Reference of ADC and DAC, mV: VREF+ is the board's 3.3 V (UM2505).
+pub const REFERENCE_MV: u64 = 3_300;
+/// mA per code of the ADC, times 2¹⁶: 1.611 mA. 3.3 V / 4096 / (50 · 10 mΩ).
+pub const MA_PER_CODE_Q16: i32 = (REFERENCE_MV * 1_000_000 * 65_536 / (4096 * AMPLIFIER_GAIN * SHUNT_MICRO_OHM)) as i32;
+/// Largest current that is measured either way, codes: 1.45 V. The amplifier's output comes to within 0.2 V of its supplies.
+pub const CURRENT_RANGE_CODES: u32 = 1_800;
+/// The same, mA: 2900.
+pub const CURRENT_RANGE_MA: u32 = (CURRENT_RANGE_CODES as u64 * MA_PER_CODE_Q16 as u64 / 65_536) as u32;
+/// ADC1's channels of the amplifier's output: IN7 is PC1 (A4), IN12 is PB1. The first is an input of COMP3, the second of COMP1
+/// (DS12288, pin definitions; RM0440, COMP, input assignment).
+pub const CURRENT_CHANNELS: [u8; 2] = [7, 12];
+/// TIM1's channel 4 triggers the ADC so many counts before the counter is lowest. That is the first sample's time, 24.5 clocks of
+/// 42.5 MHz: what is held is the value at its end, in the middle of the pulse. The source may have some 5 kΩ (DS12288).
+pub const CURRENT_TRIGGER: u16 = 98;
+/// What the ADC should read without a current, codes.
+pub const CURRENT_MIDDLE: u16 = 2_048;
+/// By how much it may be off, codes: 3 % of the 3.3 V, for a divider of 1 % and the offset of amplifier and ADC.
+pub const CURRENT_OFFSET: u16 = 123;
+/// By how much both pins may differ, codes: 64 mA. They are sampled 0.9 µs apart, in which the current of a winding of 0.5 mH
+/// changes by 42 mA at 24 V; the rest is noise.
+pub const CURRENT_PAIR: u16 = 40;
+/// Ticks in a row in which they differ by more before the measurement counts as broken.
+pub const CURRENT_PAIR_TICKS: u8 = 3;
+/// Periods of the PWM over which the offset is a mean: 3.2 ms. The noise of the mean is then below a code.
+pub const CURRENT_SAMPLES: u32 = 64;
+/// Largest difference among these samples, codes: noise. A pin to which nothing is connected picks up more, or floats to a supply.
+pub const CURRENT_SPREAD: u16 = 48;
+/// Level of the comparators, percent of `current_max_ma`. The ripple of the PWM, and the time that the limit of the program allows,
+/// are below it.
+pub const TRIP_PERCENT: u32 = 150;
+
 /// An encoder edge must stay for 8 samples at 1/4 of the core clock, 0.19 µs. Bounce and cross-talk are shorter. A
 /// quarter of a line at the fastest motor is longer (10 000 lines at 6000 rpm: 0.25 µs).
 pub const ENCODER_FILTER: FilterValue = FilterValue::FDTS_DIV4_N8;

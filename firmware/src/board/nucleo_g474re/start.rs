@@ -10,7 +10,8 @@ use pac::rcc::vals::Hpre;
 use super::Nucleo;
 use super::bridge::bridge;
 use super::clock::Microseconds;
-use super::constants::{CORE_HZ, CRYSTAL_HZ, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
+use super::constants::{CORE_HZ, CRYSTAL_HZ, CURRENT_RANGE_MA, LINK_FUNCTION, TIM1_FUNCTION, TIM2_FUNCTION};
+use super::current::Current;
 use super::encoder::Quadrature;
 use super::flash::SettingsFlash;
 use super::protection::{Guard, system_breaks};
@@ -28,6 +29,8 @@ pub struct Parts {
     pub serial: Serial,
     /// For settings and model.
     pub flash: SettingsFlash,
+    /// Largest current that is measured either way, mA; 0 where no amplifier was found.
+    pub current_range_ma: u32,
 }
 
 /// Starts the board; once. The power stage is off and the watchdog runs: ticks must come within its time.
@@ -66,17 +69,22 @@ pub fn start() -> Parts {
     // PA2, PA3: to the ST-LINK.
     function(p.PA2, LINK_FUNCTION, AfType::output(OutputType::PushPull, Speed::Medium));
     function(p.PA3, LINK_FUNCTION, AfType::input(Pull::None));
+    // PC1, A4, and PB1: the shunt amplifier's output. Pins are analog after a reset.
+    let bridge = bridge(enable, lamp);
+    let current = Current::start();
+    let current_range_ma = if current.is_some() { CURRENT_RANGE_MA } else { 0 };
     Parts {
         board: Nucleo {
             encoder: Quadrature::start(),
-            bridge: bridge(enable, lamp),
+            bridge,
             clock: Microseconds::start(),
-            guard: Guard::start(),
+            guard: Guard::start(current),
             retained: RetainedRam,
         },
         ticks: TickTimer(()),
         serial: Serial::start(),
         flash: SettingsFlash::new(),
+        current_range_ma,
     }
 }
 
@@ -108,6 +116,11 @@ fn clocks() {
         clocks.set_tim2en(true);
         clocks.set_tim5en(true);
         clocks.set_tim6en(true);
+    });
+    pac::RCC.ahb2enr().modify(|clocks| {
+        clocks.set_adc12en(true);
+        clocks.set_dac1en(true);
+        clocks.set_dac3en(true);
     });
     pac::RCC.apb1enr2().modify(|clocks| clocks.set_lpuart1en(true));
     pac::RCC.apb2enr().modify(|clocks| {

@@ -6,6 +6,7 @@ use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_stm32::pac;
 
 use super::constants::{CORE_HZ, TICK_HZ, TICK_PRIORITY};
+use super::current::wait_for_sample;
 
 /// Where the interrupt finds its tick, a `T`: a static of the image, beside the handler.
 pub struct TickSlot<T>(AtomicPtr<T>);
@@ -41,6 +42,8 @@ impl TickTimer {
         interrupt::TIM6_DAC.set_priority(TICK_PRIORITY);
         // SAFETY: the handler calls `on_interrupt`, and all it needs is in place.
         unsafe { interrupt::TIM6_DAC.enable() };
+        // Each tick comes just after a sample of the current: a tick is two whole periods of the PWM.
+        let _ = wait_for_sample();
         pac::TIM6.cr1().write(|control| control.set_cen(true));
     }
 }

@@ -47,6 +47,7 @@ impl Board {
             "link_version": info.protocol_version,
             "tick_hz": info.tick_hz,
             "counts_per_revolution": info.counts_per_revolution,
+            "current_range_ma": info.current_range_ma,
             "position_per_count": scale.step,
             "position_unit": scale.units.x,
             "drive_full_scale": scale.drive_max(),
@@ -57,11 +58,15 @@ impl Board {
             format!(
                 "board       {board}\nfirmware    {firmware} ({build}), link version {protocol_version}\ntick        \
                  {tick_hz} Hz\nposition    {step:e} {x} per count, {counts_per_revolution} counts per revolution\ndrive       \
-                 {full} {u} at full scale",
+                 {full} {u} at full scale{current}",
                 step = scale.step,
                 x = scale.units.x,
                 full = scale.drive_max(),
                 u = scale.units.u,
+                current = match info.current_range_ma {
+                    0 => "\ncurrent     not measured".to_owned(),
+                    range => format!("\ncurrent     measured to {range} mA either way"),
+                },
             )
         })
     }

@@ -17,7 +17,7 @@ pub use follow::{FollowRun, FollowTotals};
 use record::Record;
 pub use tracking::{Followed, TrackRun, adaptive, pid};
 
-use super::scale::Scale;
+use super::scale::{Scale, amperes};
 use super::{Client, DeviceError, text};
 use crate::interrupt::FinishFirst;
 use crate::recording::Recording;
@@ -215,6 +215,11 @@ impl Runner {
             recording.t.push(scale.time(row.tick));
             recording.u.push(scale.drive(row.drive_code.into()));
             recording.x.push(scale.position(row.count));
+            recording.current.extend(row.current_ma.map(amperes));
+        }
+        // A row without its current: there is none of the recording.
+        if recording.current.len() != recording.t.len() {
+            recording.current.clear();
         }
         recording.meta.insert("experiment".into(), name.to_owned());
         for line in super::capture::provenance(&self.info) {

@@ -17,6 +17,7 @@ fn scale() -> Scale {
         position_unit: PositionUnit::Radian,
         drive_full_scale: 24.0,
         drive_unit: DriveUnit::Volt,
+        current_range_ma: 0,
     })
     .unwrap()
 }

@@ -23,6 +23,7 @@ fn info() -> Info {
         position_unit: PositionUnit::Radian,
         drive_full_scale: 12.0,
         drive_unit: DriveUnit::Volt,
+        current_range_ma: 0,
     }
 }
 
@@ -42,6 +43,7 @@ fn running() -> State {
             drive_code: if phase.sin() < 0.0 { 9557 } else { -9557 },
             reference: 0,
             mode: Mode::Relay,
+            current_ma: None,
         };
         if let Some(batch) = writer.push(sample, if k < 1000 { 0 } else { 10 }) {
             state.take(&Message::Samples(batch));

@@ -30,6 +30,7 @@ pub fn info() -> Info {
         position_unit: PositionUnit::Radian,
         drive_full_scale: 12.0,
         drive_unit: DriveUnit::Volt,
+        current_range_ma: 0,
     }
 }
 
@@ -75,6 +76,7 @@ pub fn batches(first: u32, samples: u32, mode: Mode) -> Vec<Batch> {
         drive_code: if (k / 50).is_multiple_of(2) { 2731 } else { -2731 },
         reference: 0,
         mode,
+        current_ma: None,
     };
     let mut batches: Vec<Batch> = (0..samples).filter_map(|k| writer.push(sample(k), 0)).collect();
     batches.extend(writer.flush(0));

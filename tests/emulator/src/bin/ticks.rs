@@ -3,27 +3,34 @@
 use std::process::ExitCode;
 
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, ControllerGains, ErrorRate, FULL_SCALE_CODE, Model, Reference, Relay, Reply, Settings,
-    Track, Trajectory,
+    Adaptive, Bounds, Command, ControllerGains, DriveUnit, ErrorRate, FULL_SCALE_CODE, Model, Reference, Relay, Reply,
+    Settings, Track, Trajectory,
 };
 use breakaway_emulator::bench::Bench;
 use breakaway_emulator::machine::TickCost;
+use breakaway_emulator::unicorn::NoUnicorn;
+use breakaway_emulator::winding::Winding;
 
 /// Ticks of a relay experiment, and of one under control.
 const RELAY_TICKS: u32 = 6000;
 const TRACK_TICKS: u32 = 3000;
 
+/// A winding for the papers' axis.
+const WINDING: Winding = Winding { resistance: 2.0, inductance: 2e-3, back_emf: 0.05, supply: 5.0, current: 0.0 };
+
 fn main() -> ExitCode {
-    let mut bench = match Bench::start() {
-        Ok(bench) => bench,
+    match measure() {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");
-            return ExitCode::FAILURE;
+            ExitCode::FAILURE
         }
-    };
-    bench.machine.count_constants();
-    prepare(&mut bench);
-    bench.machine.ticks.clear();
+    }
+}
+
+fn measure() -> Result<(), NoUnicorn> {
+    let mut bench = Bench::start()?;
+    prepare(&mut bench, volts);
     let mut all = Vec::new();
     let mut relays = Vec::new();
     for (h1, h2) in [(2.0, 1.5), (1.0, 0.7)] {
@@ -35,7 +42,14 @@ fn main() -> ExitCode {
     bench.done(Command::Save);
     let adaptive = run(&mut bench, track(), TRACK_TICKS, &mut all);
     all.append(&mut bench.machine.ticks);
-    let slow = bench.machine.slow_functions();
+    let mut slow = bench.machine.slow_functions();
+    // The same with the drive in A: each tick closes the current loop too.
+    let mut bench = Bench::with_winding(WINDING)?;
+    prepare(&mut bench, amperes);
+    bench.done(Command::LoadModel(Model { b: 0.0135, c: 0.03, f1: 0.25, effects: heapless::Vec::new() }));
+    let regulated = run(&mut bench, track(), TRACK_TICKS, &mut all);
+    all.append(&mut bench.machine.ticks);
+    slow.extend(bench.machine.slow_functions());
     let numbers = |what: &str, ticks: &[TickCost]| {
         let of = |field: fn(&TickCost) -> u64| {
             let sum: u64 = ticks.iter().map(field).sum();
@@ -52,15 +66,33 @@ fn main() -> ExitCode {
     };
     numbers("relay", &relays);
     numbers("adaptive", &adaptive);
+    numbers("regulated", &regulated);
     numbers("any", &all);
-    ExitCode::SUCCESS
+    Ok(())
 }
 
-/// The papers' axis, and full drive.
-fn prepare(bench: &mut Bench) {
+/// The drive in V, of 5 V at full duty.
+fn volts(settings: Settings) -> Settings {
+    Settings { drive_full_scale: 5.0, ..settings }
+}
+
+/// The drive in A, of what is measured, by the current loop of the winding.
+fn amperes(settings: Settings) -> Settings {
+    Settings {
+        drive_unit: DriveUnit::Ampere,
+        drive_full_scale: 2.9,
+        supply_v: WINDING.supply as f32,
+        motor_resistance_ohm: WINDING.resistance as f32,
+        motor_inductance_h: WINDING.inductance as f32,
+        ..settings
+    }
+}
+
+/// The papers' axis, full drive, and ticks that are counted from now on.
+fn prepare(bench: &mut Bench, drive: fn(Settings) -> Settings) {
+    bench.machine.count_constants();
     let settings = Settings {
         position_per_count: 1e-3,
-        drive_full_scale: 5.0,
         drive_max_code: (i32::from(FULL_SCALE_CODE) * 95 / 100) as i16,
         mean_drive_max_code: FULL_SCALE_CODE,
         travel_min_counts: -40_000,
@@ -68,8 +100,9 @@ fn prepare(bench: &mut Bench) {
         speed_max_counts_per_s: 1_000_000,
         ..bench.settings()
     };
-    bench.done(Command::SetSettings(settings));
+    bench.done(Command::SetSettings(drive(settings)));
     bench.done(Command::StreamOn { decimation: 10 });
+    bench.machine.ticks.clear();
 }
 
 /// One run; its ticks but the first, which takes the order, and those after its end. All of them go to `all`.

@@ -4,9 +4,33 @@ use super::Bus;
 use crate::registers::{Register, registers};
 
 /// Peripherals that have a model, or none but their registers (PWR, SYSCFG, DBGMCU).
-const KNOWN: [&str; 20] = [
-    "RCC", "PWR", "FLASH", "GPIOA", "GPIOB", "GPIOC", "GPIOD", "GPIOE", "GPIOF", "GPIOG", "TIM1", "TIM2", "TIM5",
-    "TIM6", "LPUART1", "DMA1", "DMAMUX1", "IWDG", "SYSCFG", "DBGMCU",
+const KNOWN: [&str; 26] = [
+    "RCC",
+    "PWR",
+    "FLASH",
+    "GPIOA",
+    "GPIOB",
+    "GPIOC",
+    "GPIOD",
+    "GPIOE",
+    "GPIOF",
+    "GPIOG",
+    "TIM1",
+    "TIM2",
+    "TIM5",
+    "TIM6",
+    "LPUART1",
+    "DMA1",
+    "DMAMUX1",
+    "IWDG",
+    "SYSCFG",
+    "DBGMCU",
+    "ADC1",
+    "ADC12_COMMON",
+    "DAC1",
+    "DAC3",
+    "COMP1",
+    "COMP3",
 ];
 /// Those of the core.
 const CORE: [&str; 3] = ["NVIC", "SCB", "DCB"];
