@@ -9,8 +9,10 @@ pub mod demo;
 pub mod device;
 pub mod discover;
 pub mod effects;
+pub mod export;
 pub mod identify;
 pub mod man;
+pub mod models;
 pub mod monitor;
 pub mod output;
 pub mod port_args;
@@ -70,6 +72,10 @@ pub enum CliCommand {
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
     Effects(effects::Args),
+    /// Write a model for MuJoCo, URDF, SDF, Isaac Lab, Modelica or C, with what is lost
+    Export(export::Args),
+    /// The motor library: cards of identified machines
+    Models(models::Args),
     /// Run the firmware on a virtual board: QEMU with a simulated plant, behind a pseudo-terminal
     VirtualBoard(virtual_board::Args),
     /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
@@ -110,6 +116,8 @@ pub fn run(cli: Cli) -> ExitCode {
         CliCommand::Discover(args) => args.run(output),
         CliCommand::Identify(args) => args.run(output),
         CliCommand::Effects(args) => args.run(output),
+        CliCommand::Export(args) => args.run(output),
+        CliCommand::Models(args) => args.run(output),
         CliCommand::Sinefit(args) => args.run(output),
         CliCommand::VirtualBoard(args) => args.run(output),
         CliCommand::Capture(args) => args.run(output),
