@@ -1,6 +1,8 @@
 //! The held-out part of a machine's recordings, and how well a model simulates it.
 
-use crate::fit::{Candidate, Problem, SCORE_ITERATIONS, Segment, Start, Track, median, sampled, segments, session};
+use breakaway_core::plant::effect::Memory;
+
+use crate::fit::{Candidate, Problem, SCORE_ITERATIONS, Segment, Track, median, sampled, segments, session};
 use crate::recording::Recording;
 
 /// Length of a window to which its start is fitted, as a share of the window: 0.4 s of 1 s, as in a discovery.
@@ -19,8 +21,10 @@ pub struct Window {
     pub measured: Vec<f64>,
     /// Simulated from `start` under `u`.
     pub simulated: Vec<f64>,
-    /// Position and velocity at the first sample, and the free memory of an effect.
-    pub start: Start,
+    /// Position and velocity at the first sample.
+    pub start: [f64; 2],
+    /// What the effects remember there, in their order.
+    pub memory: Vec<Memory<f64>>,
 }
 
 /// How well a model simulates what is held out.
@@ -69,7 +73,8 @@ pub fn windows(model: &Candidate, recordings: &[Recording], window_s: f64) -> Ve
             u: track.u[range.clone()].to_vec(),
             measured: track.x[range].to_vec(),
             simulated: problem.positions(model, *segment, start),
-            start,
+            start: [start[0], start[1]],
+            memory: problem.memory_at(model, *segment, start),
         }
     };
     held_out.iter().map(simulated).collect()
