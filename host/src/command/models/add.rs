@@ -44,8 +44,8 @@ pub struct Args {
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = positive)]
     pub window: f64,
     /// Folder that the card's file names are under [default: the working folder]
-    #[arg(long, value_name = "DIR", default_value = "")]
-    pub data: PathBuf,
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
     /// The card to write; `-` is standard output
     #[arg(short, long, value_name = "CARD.toml")]
     pub output: Target,
@@ -128,7 +128,8 @@ impl Args {
         found.in_radians();
         let file = found.hashes.iter().map(|(name, sha256)| {
             let path = Path::new(name);
-            let name = path.strip_prefix(&self.data).unwrap_or(path).to_string_lossy().into_owned();
+            let under = self.data.as_deref().and_then(|folder| path.strip_prefix(folder).ok());
+            let name = under.unwrap_or(path).to_string_lossy().into_owned();
             File { name, sha256: sha256.clone() }
         });
         let candidate = Candidate { base: model.base, effects: model.plant_effects()? };
