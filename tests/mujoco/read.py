@@ -28,9 +28,9 @@ def modelica(path):
 
     with open(path, encoding="utf-8") as file:
         tree = parser.parse(file.read())
-    if tree is None or not tree.classes:
+    if tree is None or "axis" not in tree.classes:
         raise SystemExit("the grammar does not take it")
-    (model,) = tree.classes.values()
+    model = tree.classes["axis"]
     return {"symbols": sorted(model.symbols), "equations": len(model.equations)}
 
 

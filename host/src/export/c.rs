@@ -1,7 +1,7 @@
 //! C: a header with the model's parameters, and the controller's compensation of it in float and in Q16.16.
 //!
-//! The functions are those of the compensator on the board (docs/control.md), without its lead: the force along a
-//! reference, and the inverse of the drive's path. They need no library and keep no state.
+//! The functions are those of the compensator on the board (docs/control.md), without its lead. One is the force along
+//! a reference, the other the inverse of the drive's path. They need no library and keep no state.
 
 use std::fmt::Write as _;
 

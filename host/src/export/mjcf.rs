@@ -15,8 +15,8 @@ use crate::file::EXPORT_MARK;
 
 /// Share of the inertia that MuJoCo is given as a body, because it takes no body without. The joint's armature has the rest.
 const BODY_SHARE: f64 = 1e-6;
-/// The fastest bristle that a time step resolves, as the angle that it turns in a step, rad. At 0.2 rad the explicit
-/// step of MuJoCo errs by 1 % of its motion.
+/// The fastest bristle that a time step resolves, as the angle that it turns in a step, rad. At 0.2 rad bristles in
+/// place of a Stribeck curve err by 8 % of the motion at 1 ms, and by 1 % at 0.1 ms. Beyond 0.5 rad stiffer ones are worse.
 const BRISTLE_RAD: f64 = 0.2;
 
 /// The friction of the joint.

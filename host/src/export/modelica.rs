@@ -1,7 +1,7 @@
 //! Modelica: the equations of the axis as a model of its own, with one parameter a line.
 //!
-//! The friction is carried by bristles also where the model has Coulomb's law: an equation without events is solved by
-//! every tool, and a presliding of 1e-4 rad (or m) is shorter than most encoders tell.
+//! Bristles carry the friction also where the model has Coulomb's law, because every tool solves an equation without
+//! events. Their presliding of 1e-4 rad (or m) is shorter than most encoders tell.
 
 use std::fmt::Write as _;
 

@@ -33,17 +33,8 @@ fn every_effect_has_a_fate_in_every_target() {
             let listed = exported.text.contains(&format!("LOST {} ", kind.name()));
             assert_eq!(listed, row.fate == Fate::Lost, "{target} {}", kind.name());
             assert!(!exported.text.contains("NaN") && !exported.text.contains("inf"), "{target} {}", kind.name());
-            assert!(FileKindOf(&exported.text).ours(), "{target}");
+            assert!(crate::file::FileKind::Export.is_of(exported.text.as_bytes()), "{target}");
         }
-    }
-}
-
-/// Whether the overwriting rule takes a text for an export.
-struct FileKindOf<'a>(&'a str);
-
-impl FileKindOf<'_> {
-    fn ours(&self) -> bool {
-        crate::file::FileKind::Export.is_of(self.0.as_bytes())
     }
 }
 
@@ -61,8 +52,8 @@ fn both_sides_of_the_gear_are_in_si() {
     assert!(exported.text.contains("damping=\"0.0275\" friction=\"0.125\""), "{}", exported.text);
 }
 
-/// A back-EMF above the model's damping is said, and the motor is a source of torque then: Kt = 2 N·m/A at 1 Ω brakes
-/// with 4 N·m·s/rad, the model with 0.22.
+/// A back-EMF above the model's damping is said, and the motor is a source of torque then. Kt = 2 N·m/A at 1 Ω brakes
+/// with 4 N·m·s/rad, and the model with 0.22.
 #[test]
 fn constants_that_contradict_the_model_are_said() {
     let motor = Motor { motor_constant: Some(2.0), resistance: Some(1.0), ..Motor::default() };
@@ -85,9 +76,9 @@ fn points() -> Vec<[f64; 4]> {
     all
 }
 
-/// The exported C, compiled, gives what the compensator of the core gives: in float to 2e-5 V, the rounding of numbers
-/// of some V. In Q16.16 to 4e-4 V: an acceleration of 30 and a velocity of 2 are rounded to 1.5e-5, a position to an
-/// angle 12 times as coarse, and |v|/vs at 0.1 rad/s to a tenth of that; the friction levels follow.
+/// The exported C, compiled, gives what the compensator of the core gives. In float it does to 2e-5 V, the rounding of
+/// numbers of some V. In Q16.16 it does to 4e-4 V: all inputs are rounded to 1.5e-5, and a position to an angle that is
+/// 12 times as coarse. A speed over the Stribeck velocity is rounded too, and the friction level follows it.
 #[test]
 fn c_is_the_compensator() {
     let folder = tempfile::tempdir().unwrap();

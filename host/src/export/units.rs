@@ -1,4 +1,4 @@
-//! From the units of a recording to SI: what a drive unit is as a force, and a position unit as an angle or a length.
+//! From the units of a recording to SI: the force of a drive unit, and the angle or length of a position unit.
 
 use std::str::FromStr;
 

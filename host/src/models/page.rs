@@ -19,8 +19,9 @@ of a window is fitted to its first 40 %. *Standing still* is the same of an axis
 The recordings are other people's, and the project holds none of them. *–*: the parameter was held,
 or found in the measured forces, which give no error.
 
-`breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check: a text is
-missing, a hash is none, or the model is worse than an axis that stands still. Where the recordings are there, a test computes hashes and held-out errors again.
+`breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check. It fails if
+a text is missing, if a hash is none, or if the model is worse than an axis that stands still. Where
+the recordings are there, a test computes hashes and held-out errors again.
 
 ";
 

@@ -22,8 +22,8 @@ fn every_card_passes_its_check() {
     }
 }
 
-/// Beside their recordings: the files are those that the cards were made from, and the held-out error is the card's, to
-/// the 2 % that another mathematics library may change in a fitted start.
+/// The recordings are those that the cards were made from, and give the card's held-out error again. Another
+/// mathematics library may change a fitted start, and by it the error by 2 %.
 #[test]
 fn every_card_holds_beside_its_recordings() {
     let Some(data) = measured_data() else { return };

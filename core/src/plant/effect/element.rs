@@ -220,8 +220,8 @@ impl Element {
 mod tests {
     use super::*;
 
-    /// By hand: with 2 N·m per drive unit and 0.5 rad per position unit, a stiffness is 4 times as much in N·m/rad, a
-    /// drag by the square 8 times, a speed half, and a wave number twice.
+    /// By hand, with 2 N·m per drive unit and 0.5 rad per position unit. A stiffness is 4 times as much in N·m/rad, and a
+    /// drag by the square 8 times. A speed is half, and a wave number twice.
     #[test]
     fn numbers_follow_their_units() {
         let drag = Element::Drag { by_speed: 1.0, by_square: 1.0 };
