@@ -42,7 +42,7 @@ pub enum Action {
     /// Show the parameters of two cards side by side
     Compare(CompareArgs),
     /// Make a card from a model and its recordings, and check it
-    Add(add::Args),
+    Add(Box<add::Args>),
 }
 
 /// Arguments of `show`.
@@ -210,7 +210,7 @@ fn shown(document: &Shown<'_>) -> String {
 }
 
 fn in_words(Quantity { value, se, unit }: &Quantity) -> String {
-    let se = se.map_or_else(|| String::new(), |se| format!("± {se:.1e}"));
+    let se = se.map_or_else(String::new, |se| format!("± {se:.1e}"));
     format!("{value:>13.5e} {se:<10} {unit}")
 }
 

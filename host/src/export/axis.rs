@@ -64,6 +64,9 @@ pub(super) struct Axis {
 /// What a target makes of a part: a fate, and as what.
 pub(super) type Decided = (Fate, String);
 
+/// Units of inertia, viscous and Coulomb friction about an axis.
+const ROTATION: [&str; 3] = ["kg·m²", "N·m·s/rad", "N·m"];
+
 impl Axis {
     pub fn new(model: &Model, scale: Scale, name: String, timestep_s: f64) -> Self {
         let Scale { force, length, .. } = scale;
@@ -129,7 +132,6 @@ impl Axis {
                 units[0], units[1], units[2]
             )
         };
-        const ROTATION: [&str; 3] = ["kg·m²", "N·m·s/rad", "N·m"];
         let at_load = if self.scale.linear { ["kg", "N·s/m", "N"] } else { ROTATION };
         let mut lines = vec![side("At the load", &sides.load, at_load)];
         if sides.gear != 1.0 {
@@ -139,23 +141,23 @@ impl Axis {
         lines.push(format!("1 {} of drive is {force} {} at the load.", self.drive_unit, self.force_unit()));
         lines
     }
+}
 
-    /// The rows of the base, kept as the three names.
-    pub fn base_rows(&self, [b, c, f1]: [Decided; 3]) -> Vec<Row> {
-        let laws = ["b·ẍ", "c·ẋ", "f1·sgn ẋ"];
-        let row = |((what, law), (fate, how)): ((&str, &str), Decided)| Row {
-            what: what.to_owned(),
-            law: law.to_owned(),
-            fate,
-            how,
-        };
-        ["b", "c", "f1"].into_iter().zip(laws).zip([b, c, f1]).map(row).collect()
-    }
+/// The rows of the base.
+pub(super) fn base_rows(decided: [Decided; 3]) -> Vec<Row> {
+    let named = [("b", "b·ẍ"), ("c", "c·ẋ"), ("f1", "f1·sgn ẋ")];
+    let row = |((what, law), (fate, how)): ((&str, &str), Decided)| Row {
+        what: what.to_owned(),
+        law: law.to_owned(),
+        fate,
+        how,
+    };
+    named.into_iter().zip(decided).map(row).collect()
+}
 
-    /// The rows of the base where all is kept.
-    pub fn base_kept(&self, names: [&str; 3]) -> Vec<Row> {
-        self.base_rows(names.map(kept))
-    }
+/// The rows of the base where all is kept, each as what.
+pub(super) fn base_kept(names: [&str; 3]) -> Vec<Row> {
+    base_rows(names.map(kept))
 }
 
 impl Part {

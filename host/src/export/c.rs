@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::{Compensation, Effect};
 
-use super::axis::Decided;
+use super::axis::{Decided, base_kept};
 use super::fate::{Row, Written, kept, losses, lost};
 use crate::file::EXPORT_MARK;
 use crate::model::Model;
@@ -61,11 +61,7 @@ pub(super) fn write(model: &Model, name: &str) -> Written {
     );
     let mut inverse = Code::default();
     let mut ratio = 0.0;
-    let mut rows: Vec<Row> = Vec::new();
-    for (what, law) in [("b", "b·ẍ"), ("c", "c·ẋ"), ("f1", "f1·sgn ẋ")] {
-        let (fate, how) = kept("feed-forward along the reference");
-        rows.push(Row { what: what.into(), law: law.into(), fate, how });
-    }
+    let mut rows: Vec<Row> = base_kept(["feed-forward along the reference"; 3]);
     let effects: Vec<Effect<f64>> = model.effects.iter().filter_map(crate::model::EffectEntry::effect).collect();
     for effect in &effects {
         let definition = effect.kind.definition();
@@ -134,12 +130,12 @@ pub(super) fn write(model: &Model, name: &str) -> Written {
         for (kind, suffix, body, end) in [("float", "", &code.float, end[0]), ("int32_t", "_q16", &code.fixed, end[1])]
         {
             let list: Vec<String> = arguments.iter().map(|argument| format!("{kind} {argument}")).collect();
-            let unused: String = arguments.iter().map(|argument| format!("(void){argument}; ")).collect();
+            let unused: Vec<String> = arguments.iter().map(|argument| format!("(void){argument};")).collect();
             let _ = writeln!(
                 text,
                 "\n/* {what} */\nstatic inline {kind} {name}_{function}{suffix}({}) {{\n    {}\n{body}    {end}\n}}",
                 list.join(", "),
-                unused.trim_end()
+                unused.join(" ")
             );
         }
     }
@@ -226,7 +222,7 @@ fn wave(code: &mut Code, to: &[&str], wave_number: f64, [amplitude, phase]: [f64
     // A phase in 2⁻³² turns from a position in 2⁻¹⁶.
     let (m, s) = constant(wave_number * TURNS * 65536.0);
     let (am, a_s) = constant(amplitude);
-    let add = |value: &str| to.iter().map(|name| format!(" {name} += {value};")).collect::<String>();
+    let add = |value: &str| to.iter().map(|name| format!(" {name} += {value};")).collect::<Vec<_>>().concat();
     code.line(
         &format!(
             "{{ float w = {}f * bk_sin_turns({}f * x + {}f);{} }}",

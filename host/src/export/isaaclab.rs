@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::Element;
 
-use super::axis::{Axis, Decided, Part};
+use super::axis::{Axis, Decided, Part, base_kept};
 use super::fate::{Row, Written, kept, losses, lost, near};
 use super::number;
 use crate::file::EXPORT_MARK;
@@ -24,7 +24,7 @@ fn decide(part: &Part) -> Decided {
 }
 
 pub(super) fn write(axis: &Axis) -> Written {
-    let mut rows: Vec<Row> = axis.base_kept(["armature", "viscous_friction", "dynamic_friction"]);
+    let mut rows: Vec<Row> = base_kept(["armature", "viscous_friction", "dynamic_friction"]);
     rows.extend(axis.parts.iter().map(|part| part.row(decide(part))));
     let rise: f64 = axis
         .parts

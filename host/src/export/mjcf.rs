@@ -3,18 +3,16 @@
 //! `dcmotor` (MuJoCo 3.7) has cogging, LuGre friction and the winding's lag; `nsample` and `delay` (3.5) a dead time.
 //! Passive parts are a `dcmotor` with `input="none"` and no motor constant, so that they add no control.
 
+mod document;
+
 use std::f64::consts::FRAC_PI_2;
-use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::Element;
 
-use super::axis::{Axis, Decided, Part};
-use super::fate::{Row, Written, kept, losses, lost, near};
+use super::axis::{Axis, Decided, Part, base_rows};
+use super::fate::{Row, Written, kept, lost, near};
 use super::number;
-use crate::file::EXPORT_MARK;
 
-/// Share of the inertia that MuJoCo is given as a body, because it takes no body without. The joint's armature has the rest.
-const BODY_SHARE: f64 = 1e-6;
 /// The fastest bristle that a time step resolves, as the angle that it turns in a step, rad. At 0.2 rad bristles in
 /// place of a Stribeck curve err by 8 % of the motion at 1 ms, and by 1 % at 0.1 ms. Beyond 0.5 rad stiffer ones are worse.
 const BRISTLE_RAD: f64 = 0.2;
@@ -66,9 +64,9 @@ pub(super) fn write(axis: &Axis) -> Written {
         Friction::Bristles(_) => kept("dcmotor lugre"),
     };
     let viscous = if winding.is_some() { "dcmotor back-EMF, and joint damping for the rest" } else { "joint damping" };
-    let mut rows = axis.base_rows([kept("joint armature"), kept(viscous), coulomb]);
+    let mut rows = base_rows([kept("joint armature"), kept(viscous), coulomb]);
     rows.extend(decided);
-    let text = document(axis, &parts, winding, &rows);
+    let text = document::document(axis, &parts, winding, &rows);
     Written { text, rows, remarks }
 }
 
@@ -178,163 +176,4 @@ fn resolved(axis: &Axis) -> [f64; 2] {
     let inertia = axis.base.inertia;
     let fastest = BRISTLE_RAD / axis.timestep_s;
     [inertia * fastest * fastest, inertia * fastest]
-}
-
-fn document(axis: &Axis, parts: &Parts, winding: Option<(super::Winding, f64)>, rows: &[Row]) -> String {
-    let mut out = String::new();
-    let mut line = |text: &str| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "{text}");
-    };
-    let comment = |indent: &str, text: &str| format!("{indent}<!-- {} -->", text.replace("--", "- -"));
-    line(&format!("<mujoco model=\"{}\">", axis.name));
-    line(&comment("  ", &format!("{EXPORT_MARK}{}, for MuJoCo 3.7 or later", env!("CARGO_PKG_VERSION"))));
-    for said in axis.summary().iter().chain(&losses(rows)) {
-        line(&comment("  ", said));
-    }
-    line("  <compiler angle=\"radian\" autolimits=\"true\"/>");
-    line(&comment("  ", "Euler takes the joint's damping implicitly, and bristles as they are"));
-    let step = number(axis.timestep_s);
-    line(&format!("  <option timestep=\"{step}\" integrator=\"Euler\" gravity=\"0 0 0\"/>"));
-    line("  <worldbody>\n    <body name=\"motor\">");
-    let share = axis.second_share();
-    let (first, second) = (axis.base.inertia * (1.0 - share), axis.base.inertia * share);
-    line(&inertial("      ", first * BODY_SHARE));
-    line(&comment("      ", &format!("armature: {}", axis.said[0])));
-    let back_emf = winding.map_or(0.0, |(_, back_emf)| back_emf);
-    let less = if winding.is_some() { ", less the back-EMF of the dcmotor" } else { "" };
-    line(&comment("      ", &format!("damping: {}{less}", axis.said[1])));
-    let mut joint = format!(
-        "      <joint name=\"axis\" {} armature=\"{}\" damping=\"{} {} 0\"",
-        kind(axis),
-        number(first * (1.0 - BODY_SHARE)),
-        number(axis.base.viscous - back_emf),
-        number(parts.quadratic)
-    );
-    if matches!(parts.friction, Friction::Loss) && axis.base.coulomb > 0.0 {
-        line(&comment("      ", &format!("frictionloss: {}; as stiff as the time step allows", axis.said[2])));
-        let stiff =
-            format!("solreffriction=\"{} 1\" solimpfriction=\"0.9999 0.9999 0.001\"", number(2.0 * axis.timestep_s));
-        let _ = write!(joint, " frictionloss=\"{}\" {stiff}", number(axis.base.coulomb));
-    }
-    if let Some([stiffness, rest]) = parts.spring {
-        let _ = write!(joint, " stiffness=\"{}\" springref=\"{}\"", number(stiffness), number(rest));
-    }
-    for part in axis.parts.iter().filter(|part| part.is_of_the_joint()) {
-        line(&comment("      ", &format!("{}: {}", part.name, part.said)));
-    }
-    line(&format!("{joint}/>"));
-    if let Some(body) = &parts.second {
-        line("      <body name=\"load\">");
-        line(&inertial("        ", second));
-        line(&match body {
-            Second::Sprung { stiffness, damping } => format!(
-                "        <joint name=\"coupling\" {} stiffness=\"{}\" damping=\"{}\"/>",
-                kind(axis),
-                number(*stiffness),
-                number(*damping)
-            ),
-            Second::Loose { gap } => format!(
-                "        <joint name=\"gap\" {} range=\"{} {}\" solreflimit=\"{} 1\"/>",
-                kind(axis),
-                number(-0.5 * gap),
-                number(0.5 * gap),
-                number(2.0 * axis.timestep_s)
-            ),
-        });
-        line("      </body>");
-    }
-    line("    </body>\n  </worldbody>\n  <actuator>");
-    actuators(axis, parts, winding, &mut line, &comment);
-    line("  </actuator>\n</mujoco>");
-    out
-}
-
-fn actuators(
-    axis: &Axis,
-    parts: &Parts,
-    winding: Option<(super::Winding, f64)>,
-    line: &mut impl FnMut(&str),
-    comment: &impl Fn(&str, &str) -> String,
-) {
-    let mut attributes = String::new();
-    if let Some(limit) = parts.limit {
-        let _ = write!(attributes, " ctrlrange=\"{} {}\"", number(-limit), number(limit));
-    }
-    if let Some(delay) = parts.delay_s.filter(|delay| *delay > 0.0) {
-        let samples = (delay / axis.timestep_s).ceil() as u64 + 1;
-        let _ = write!(attributes, " delay=\"{}\" nsample=\"{samples}\"", number(delay));
-    }
-    line(&comment("    ", &format!("The drive, in {}", axis.drive_unit)));
-    for part in axis.parts.iter().filter(|part| part.is_of_the_drive()) {
-        line(&comment("    ", &format!("{}: {}", part.name, part.said)));
-    }
-    line(&match winding {
-        Some((winding, _)) => {
-            let lag = parts.lag_s.map_or_else(String::new, |lag| format!(" inductance=\"0 {}\"", number(lag)));
-            format!(
-                "    <dcmotor name=\"drive\" joint=\"axis\" gear=\"{}\" resistance=\"{}\" motorconst=\"{}\"{lag}{attributes}/>",
-                number(axis.scale.gear),
-                number(winding.resistance),
-                number(winding.constant)
-            )
-        }
-        None => {
-            let lag = parts
-                .lag_s
-                .map_or_else(String::new, |lag| format!(" dyntype=\"filterexact\" dynprm=\"{}\"", number(lag)));
-            format!(
-                "    <general name=\"drive\" joint=\"axis\" gainprm=\"{}\"{lag}{attributes}/>",
-                number(axis.scale.force)
-            )
-        }
-    });
-    let passive = "joint=\"axis\" input=\"none\" motorconst=\"0\" resistance=\"1\"";
-    if let Friction::Bristles(numbers) = parts.friction {
-        line(&comment("    ", &format!("{}, carried by bristles", axis.said[2])));
-        for part in axis.parts.iter().filter(|part| part.is_friction()) {
-            line(&comment("    ", &format!("{}: {}", part.name, part.said)));
-        }
-        let numbers = numbers.map(number).join(" ");
-        line(&format!("    <dcmotor name=\"friction\" {passive} lugre=\"{numbers}\"/>"));
-    }
-    for (index, (numbers, said)) in parts.ripples.iter().enumerate() {
-        line(&comment("    ", said));
-        let numbers = numbers.map(number).join(" ");
-        line(&format!("    <dcmotor name=\"ripple_{}\" {passive} cogging=\"{numbers}\"/>", index + 1));
-    }
-}
-
-/// Type and direction of a joint.
-const fn kind(axis: &Axis) -> &'static str {
-    if axis.scale.linear { "type=\"slide\" axis=\"1 0 0\"" } else { "type=\"hinge\" axis=\"0 0 1\"" }
-}
-
-/// A body's inertia: of a linear axis its mass, else its moment. The other one is as large, and does not count.
-fn inertial(indent: &str, inertia: f64) -> String {
-    let inertia = number(inertia);
-    format!("{indent}<inertial pos=\"0 0 0\" mass=\"{inertia}\" diaginertia=\"{inertia} {inertia} {inertia}\"/>")
-}
-
-impl Part {
-    /// Whether it stands in the attributes of the joint, or as a second joint.
-    const fn is_of_the_joint(&self) -> bool {
-        matches!(
-            self.element,
-            Element::Spring { .. }
-                | Element::Drag { by_speed: 0.0, .. }
-                | Element::SprungLoad { .. }
-                | Element::LooseLoad { .. }
-        )
-    }
-
-    /// Whether it stands in the attributes of the actuator.
-    const fn is_of_the_drive(&self) -> bool {
-        matches!(self.element, Element::DriveDelay { .. } | Element::DriveLag { .. } | Element::DriveLimit { .. })
-    }
-
-    /// Whether it is carried by bristles.
-    const fn is_friction(&self) -> bool {
-        matches!(self.element, Element::Bristles { .. } | Element::LevelBySpeed { .. } | Element::LevelAtRest { .. })
-    }
 }

@@ -60,11 +60,6 @@ impl Target {
             Self::C => "c",
         }
     }
-
-    /// Whether its numbers are in SI units.
-    pub const fn needs_si(self) -> bool {
-        !matches!(self, Self::C)
-    }
 }
 
 impl fmt::Display for Target {
@@ -130,19 +125,21 @@ pub fn export(model: &Model, request: &Request) -> Result<Exported, ExportError>
         // Gravity and eccentricity are laws of an angle in rad.
         model.in_radians(radians);
     }
-    let scale = if request.target.needs_si() { Some(request.motor.scale(&model.units, request.target)?) } else { None };
-    let Some(scale) = scale else {
-        let Written { text, rows, remarks } = c::write(&model, &identifier(&request.name));
-        return Ok(Exported { text, rows, si: None, remarks });
+    let name = identifier(&request.name);
+    let write: fn(&Axis) -> Written = match request.target {
+        Target::C => {
+            let Written { text, rows, remarks } = c::write(&model, &name);
+            return Ok(Exported { text, rows, si: None, remarks });
+        }
+        Target::Mjcf => mjcf::write,
+        Target::Urdf => urdf::write,
+        Target::Sdf => sdf::write,
+        Target::IsaacLab => isaaclab::write,
+        Target::Modelica => modelica::write,
     };
-    let axis = Axis::new(&model, scale, identifier(&request.name), request.timestep_s);
-    let Written { text, rows, remarks } = match request.target {
-        Target::Mjcf => mjcf::write(&axis),
-        Target::Urdf => urdf::write(&axis),
-        Target::Sdf => sdf::write(&axis),
-        Target::IsaacLab => isaaclab::write(&axis),
-        Target::Modelica | Target::C => modelica::write(&axis),
-    };
+    let scale = request.motor.scale(&model.units, request.target)?;
+    let axis = Axis::new(&model, scale, name, request.timestep_s);
+    let Written { text, rows, remarks } = write(&axis);
     Ok(Exported { text, rows, si: Some(axis.sides()), remarks })
 }
 

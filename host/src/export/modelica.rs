@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::Element;
 
-use super::axis::{Axis, Decided, Part};
+use super::axis::{Axis, Decided, Part, base_rows};
 use super::fate::{Row, Written, kept, losses, lost, near};
 use super::number;
 use crate::file::EXPORT_MARK;
@@ -151,7 +151,7 @@ fn decide(part: &Part, index: usize, all: &mut Equations) -> Decided {
             let t = all.declare(part, index, "lag", time_constant_s);
             all.declared.push("  Real lagged(start = 0);".to_owned());
             all.lines.push(format!("  {t}*der(lagged) = {} - lagged;", all.drive));
-            all.drive = "lagged".to_owned();
+            "lagged".clone_into(&mut all.drive);
         }
         Element::ReadingRipple { amplitude, wave_number, phase } => {
             let (a, k, p) = (
@@ -198,7 +198,7 @@ pub(super) fn write(axis: &Axis) -> Written {
     let stiffness = level / PRESLIDING;
     let [sigma0, sigma1] = all.bristles.unwrap_or([stiffness, (stiffness * axis.base.inertia).sqrt()]);
     let friction = if own { kept("an equation") } else { near("bristles with a presliding of 1e-4 rad or m") };
-    let mut rows = axis.base_rows([kept("an equation"), kept("an equation"), friction]);
+    let mut rows = base_rows([kept("an equation"), kept("an equation"), friction]);
     rows.extend(decided.into_iter().map(|(_, row)| row));
     let text = document(axis, &all, [sigma0, sigma1], &rows);
     Written { text, rows, remarks: Vec::new() }

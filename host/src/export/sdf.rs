@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::Element;
 
-use super::axis::{Axis, Decided, Part};
+use super::axis::{Axis, Decided, Part, base_kept};
 use super::fate::{Row, Written, kept, losses, lost, near};
 use super::number;
 use crate::file::EXPORT_MARK;
@@ -25,8 +25,8 @@ fn decide(part: &Part) -> Decided {
 /// A link with an inertia.
 fn link(name: &str, inertia: f64) -> String {
     let inertia = number(inertia);
-    let moments: String = ["ixx", "iyy", "izz"].iter().map(|m| format!("<{m}>{inertia}</{m}>")).collect();
-    let products: String = ["ixy", "ixz", "iyz"].iter().map(|m| format!("<{m}>0</{m}>")).collect();
+    let moments = ["ixx", "iyy", "izz"].map(|m| format!("<{m}>{inertia}</{m}>")).concat();
+    let products = ["ixy", "ixz", "iyz"].map(|m| format!("<{m}>0</{m}>")).concat();
     format!(
         "    <link name=\"{name}\">\n      <inertial>\n        <mass>{inertia}</mass>\n        \
          <inertia>{moments}{products}</inertia>\n      </inertial>\n    </link>"
@@ -43,7 +43,7 @@ fn joint(axis: &Axis, name: &str, parent: &str, child: &str) -> String {
 }
 
 pub(super) fn write(axis: &Axis) -> Written {
-    let mut rows: Vec<Row> = axis.base_kept(["inertia of the link", "dynamics damping", "dynamics friction"]);
+    let mut rows: Vec<Row> = base_kept(["inertia of the link", "dynamics damping", "dynamics friction"]);
     rows.extend(axis.parts.iter().map(|part| part.row(decide(part))));
     let mut out = String::from("<?xml version=\"1.0\"?>\n");
     let mut line = |text: &str| {

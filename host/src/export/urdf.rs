@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use breakaway_core::plant::effect::Element;
 
-use super::axis::{Axis, Decided, Part};
+use super::axis::{Axis, Decided, Part, base_kept};
 use super::fate::{Row, Written, kept, losses, lost, near};
 use super::number;
 use crate::file::EXPORT_MARK;
@@ -24,7 +24,7 @@ fn decide(part: &Part) -> Decided {
 }
 
 pub(super) fn write(axis: &Axis) -> Written {
-    let mut rows: Vec<Row> = axis.base_kept(["inertia of the link", "dynamics damping", "dynamics friction"]);
+    let mut rows: Vec<Row> = base_kept(["inertia of the link", "dynamics damping", "dynamics friction"]);
     rows.extend(axis.parts.iter().map(|part| part.row(decide(part))));
     let mut out = String::from("<?xml version=\"1.0\"?>\n");
     let mut line = |text: &str| {

@@ -63,8 +63,8 @@ pub fn faults_beside(card: &Card, folder: &Path) -> anyhow::Result<Vec<String>> 
     let recordings = recordings(card, folder)?;
     let candidate = Candidate { base: card.model.base, effects: card.model.plant_effects()? };
     let again = held_out::score(&candidate, &recordings, card.held_out.window_s);
-    let rmse = again.map_or(f64::NAN, |score| score.rmse);
-    if !((rmse / card.held_out.rmse - 1.0).abs() < SAME) {
+    let rmse = again.map_or(f64::INFINITY, |score| score.rmse);
+    if (rmse / card.held_out.rmse - 1.0).abs() > SAME {
         faults.push(format!("held out, it errs by {rmse:.4e}, and the card says {:.4e}", card.held_out.rmse));
     }
     Ok(faults)

@@ -16,12 +16,22 @@ A card holds the model of a machine, and what it was made from and judged by. Th
 
 *Held out* is the error of a simulation over windows of the last third of every recording. The start
 of a window is fitted to its first 40 %. *Standing still* is the same of an axis that does not move.
+
+| of a card | |
+|---|---|
+| `[card]` | name, machine, source, and the command that gives the model again |
+| `[data]` | licence and columns, and `[[data.file]]` with name and SHA-256 of each recording |
+| `[motor]` | what is known of motor and gear, for `breakaway export --motor` |
+| `[range]` | where the recordings were: position, speed, drive |
+| `[held_out]` | the error below, over how many windows |
+| `[model]` | the model, as a model file has it ([formats](formats.md)) |
+
 The recordings are other people's, and the project holds none of them. *–*: the parameter was held,
 or found in the measured forces, which give no error.
 
-`breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check. It fails if
-a text is missing, if a hash is none, or if the model is worse than an axis that stands still. Where
-the recordings are there, a test computes hashes and held-out errors again.
+`breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check. It fails
+if a text is missing, if a hash is none, or if the model is worse than an axis that stands still.
+Where the recordings are there, a test computes hashes and held-out errors again.
 
 ";
 
