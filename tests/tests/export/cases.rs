@@ -1,5 +1,6 @@
 //! What is simulated: an axis with one effect and a sensor, and the machines of the motor library.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use breakaway::export::Motor;
@@ -20,6 +21,9 @@ pub struct Case {
     pub windows: Vec<Window>,
 }
 
+/// A case's name, and its effect with its parameters.
+type Named = (&'static str, Option<(Kind, &'static [f64])>);
+
 const AXIS: &str = "[base]\nb = 0.02685\nc = 0.11\nf1 = 0.5\n[units]\nu = \"V\"\nx = \"rad\"\n";
 /// Windows of an axis, each 1 s from rest.
 const WINDOWS: u64 = 6;
@@ -34,7 +38,7 @@ const STEP: f64 = 1e-3;
 /// The axis of the papers with one effect, true and with an encoder of 1 mrad. The model is the truth, so that our error is
 /// the sensor's alone, and every other error shows.
 pub fn simulated() -> Vec<Case> {
-    let all: [(&'static str, Option<(Kind, &[f64])>); 12] = [
+    let all: [Named; 12] = [
         ("base", None),
         ("constant-load", Some((Kind::ConstantLoad, &[0.1]))),
         ("cogging", Some((Kind::Cogging, &[0.2, 7.0, 0.5, 0.05, 1.0]))),
@@ -48,7 +52,7 @@ pub fn simulated() -> Vec<Case> {
         ("electrical-lag", Some((Kind::ElectricalLag, &[0.004]))),
         ("stribeck", Some((Kind::Stribeck, &[0.25, 0.5]))),
     ];
-    let case = |(name, effect): (&'static str, Option<(Kind, &[f64])>)| {
+    let case = |(name, effect): Named| {
         let mut model = Model::parse("axis.toml", AXIS).unwrap();
         let effects: Vec<Effect<f64>> = effect.map(|(kind, p)| Effect::new(kind, p)).into_iter().collect();
         model.effects = effects.iter().map(|effect| EffectEntry::of(effect, &[])).collect();
@@ -64,9 +68,8 @@ pub fn simulated() -> Vec<Case> {
 /// A window from rest under a sum of five sines; the first drive is 0.
 fn window(plant: &Plant<'_, f64>, seed: u64) -> Window {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let sines: Vec<[f64; 2]> = (0..5).map(|k| [0.7 + 1.3 * f64::from(k), rng.random_range(0.0..6.28)]).collect();
-    let drive =
-        |t: f64| sines.iter().map(|[hz, phase]| 0.9 * (std::f64::consts::TAU * hz * t + phase).sin()).sum::<f64>();
+    let sines: Vec<[f64; 2]> = (0..5).map(|k| [0.7 + 1.3 * f64::from(k), rng.random_range(0.0..TAU)]).collect();
+    let drive = |t: f64| sines.iter().map(|[hz, phase]| 0.9 * (TAU * hz * t + phase).sin()).sum::<f64>();
     let mut window = Window {
         t: Vec::new(),
         u: Vec::new(),
@@ -99,7 +102,7 @@ pub fn real(data: &Path) -> Vec<Case> {
         let known = motor.drive_gain.or(motor.motor_constant).is_some();
         let motor = Motor {
             drive_gain: if known { motor.drive_gain } else { Some(1.0) },
-            counts_per_turn: motor.counts_per_turn.or(Some(std::f64::consts::TAU)),
+            counts_per_turn: motor.counts_per_turn.or(Some(TAU)),
             ..motor
         };
         Case {
