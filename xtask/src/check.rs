@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use crate::budget;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
+use crate::export;
 use crate::image;
 use crate::qemu;
 use crate::report::Report;
@@ -86,7 +87,20 @@ fn steps(report: &mut Report) -> Result<()> {
         Some(Err(error)) => report.not_run(format!("the Pico 2's image on an emulated core: {error:#}")),
         None => (),
     }
-    report.tests("host tests", || run_counting(&mut host_tests(qemu.is_some(), emulated)))?;
+    let mut simulators = None;
+    report.check("Python with MuJoCo", || {
+        simulators = Some(export::python());
+        match &simulators {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    if let Some(Err(error)) = &simulators {
+        report.not_run(format!("exported models in MuJoCo: {error:#}"));
+    }
+    let simulators = matches!(simulators, Some(Ok(_)));
+    let programs = [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators)];
+    report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
     })?;
@@ -97,8 +111,8 @@ fn steps(report: &mut Report) -> Result<()> {
 }
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
-/// tests of the virtual board look for a QEMU themselves, and those on the registers for a Unicorn.
-fn host_tests(qemu: bool, emulated: bool) -> Command {
+/// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
+fn host_tests(programs: [(&str, bool); 3]) -> Command {
     // Of the examples and benches clippy has seen that they compile.
     let targets = ["--workspace", "--all-features", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {
@@ -109,8 +123,8 @@ fn host_tests(qemu: bool, emulated: bool) -> Command {
     let mut command = cargo(["nextest", "run"]);
     // What passed is counted and its time read, not shown.
     command.args(targets).args(["--status-level", "pass", "--color", "never"]);
-    let left_out = [(qemu, "virtual_board"), (emulated, "emulator")].into_iter().filter(|(there, _)| !there);
-    let left_out: Vec<String> = left_out.map(|(_, program)| format!("not binary({program})")).collect();
+    let left_out = programs.into_iter().filter(|(_, there)| !there);
+    let left_out: Vec<String> = left_out.map(|(program, _)| format!("not binary({program})")).collect();
     if !left_out.is_empty() {
         command.args(["--filterset", &left_out.join(" and ")]);
     }

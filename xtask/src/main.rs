@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`.
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`.
 
 mod arrows;
 mod bench;
@@ -8,6 +8,7 @@ mod check;
 mod cross;
 mod debian;
 mod emulator;
+mod export;
 mod fleet;
 mod fuzz;
 mod image;
@@ -99,6 +100,8 @@ enum Task {
         #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
         noise: u32,
     },
+    /// Run and read exported models with MuJoCo and parsers from PyPI; needs Python
+    ExportTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -122,6 +125,7 @@ fn main() -> ExitCode {
         Task::Machines { arguments } => bench::machines(&arguments),
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
+        Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
     };
     match result {

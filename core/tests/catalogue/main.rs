@@ -3,7 +3,7 @@
 mod canonical;
 mod relations;
 
-use breakaway_core::plant::effect::{Parameter, Role, Search};
+use breakaway_core::plant::effect::{ActsIn, Element, Parameter, Role, Search};
 use breakaway_core::plant::{Base, Drive, Effect, Kind, Plant};
 
 fn parameters(kind: Kind) -> &'static [Parameter] {
@@ -83,6 +83,35 @@ fn moved(effects: &[Effect<f64>], units: [f64; 3]) -> Vec<f64> {
         plant.measured(state.x) / unit("X")
     };
     (0..drive.len()).map(&mut step).collect()
+}
+
+/// Every effect says what it is as a part of a machine. In other units of force and position the part is the one that
+/// the converted parameters give, by powers of 2 to the bit. The drive's own numbers stay in drive units.
+#[test]
+fn every_effect_is_a_part_of_a_machine_in_any_unit() {
+    let base = |force: f64| Base { b: 1.0, c: 1.0, f1: 0.5 * force };
+    for &kind in Kind::ALL {
+        let here = strong(kind, [1.0; 3]).element(&base(1.0));
+        assert_ne!(here, Element::Other, "{}", kind.name());
+        let definition = kind.definition();
+        if definition.acts_in == ActsIn::Drive || definition.needs_angle {
+            continue;
+        }
+        for [force, length] in [[4.0, 1.0], [1.0, 0.25], [2.0, 0.5]] {
+            let there = strong(kind, [force, length, 1.0]).element(&base(force));
+            assert_eq!(whole(here.in_units(force, length)), whole(there), "{} {force} {length}", kind.name());
+        }
+    }
+}
+
+/// Bristles whose level does not depend on the speed have any speed.
+fn whole(element: Element) -> Element {
+    match element {
+        Element::Bristles { stiffness, damping, rise: 0.0, .. } => {
+            Element::Bristles { stiffness, damping, rise: 0.0, speed: 1.0 }
+        }
+        other => other,
+    }
 }
 
 /// A role's unit is the parameter's: in other units of drive, position and time the same machine moves alike. By

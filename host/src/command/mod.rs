@@ -9,9 +9,11 @@ pub mod demo;
 pub mod device;
 pub mod discover;
 pub mod effects;
+pub mod export;
 pub mod failure;
 pub mod identify;
 pub mod man;
+pub mod models;
 pub mod monitor;
 pub mod output;
 pub mod port_args;
@@ -73,6 +75,10 @@ pub enum CliCommand {
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
     Effects(effects::Args),
+    /// Write a model for MuJoCo, URDF, SDF, Isaac Lab, Modelica or C, with what is lost
+    Export(export::Args),
+    /// The motor library: cards of identified machines
+    Models(models::Args),
     /// Run the firmware on a virtual board: QEMU with a simulated plant, behind a pseudo-terminal
     VirtualBoard(virtual_board::Args),
     /// Fit a sine: amplitude, frequency, phase, offset, with standard errors
@@ -128,6 +134,8 @@ pub fn run(cli: Cli) -> ExitCode {
         CliCommand::Discover(args) => args.run(output),
         CliCommand::Identify(args) => args.run(output),
         CliCommand::Effects(args) => args.run(output),
+        CliCommand::Export(args) => args.run(output),
+        CliCommand::Models(args) => args.run(output),
         CliCommand::Sinefit(args) => args.run(output),
         CliCommand::VirtualBoard(args) => args.run(output),
         CliCommand::Capture(args) => args.run(output),

@@ -23,6 +23,10 @@ pub enum FileKind {
     FleetTable,
     /// The result of one machine of a fleet, JSON.
     FleetResult,
+    /// A model for another program.
+    Export,
+    /// A card of the motor library, TOML.
+    Card,
 }
 
 impl FileKind {
@@ -37,6 +41,8 @@ impl FileKind {
             Self::Manual => "a manual page",
             Self::FleetTable => "a table over a fleet",
             Self::FleetResult => "a result of a fleet",
+            Self::Export => "an export",
+            Self::Card => "a motor card",
         }
     }
 
@@ -60,12 +66,18 @@ impl FileKind {
             Self::Manual => text.contains(".TH breakaway"),
             Self::FleetTable => starts("machine,verdict,effects,"),
             Self::FleetResult => starts("{") && text.contains("\"base\""),
+            Self::Export => text.contains(EXPORT_MARK),
+            Self::Card => starts(CARD_MARK),
         }
     }
 }
 
 /// How a comment of a model begins that was identified or discovered.
 const MODEL_MARKS: [&str; 2] = ["# identified by breakaway ", "# discovered by breakaway "];
+/// What stands at the top of a model for another program.
+pub const EXPORT_MARK: &str = "exported by breakaway ";
+/// How a motor card begins.
+pub const CARD_MARK: &str = "# Made by `breakaway models add`";
 /// What stands in the head of a page.
 pub const PAGE_MARK: &str = "<meta name=\"generator\" content=\"breakaway\">";
 /// What stands in the first tag of a figure that is a file of its own.
@@ -87,6 +99,8 @@ mod tests {
             (FileKind::Manual, ".ie \\n(.g .ds Aq \\(aq\n.TH breakaway-run 1\n"),
             (FileKind::FleetTable, "machine,verdict,effects,tied\n"),
             (FileKind::FleetResult, "{\n  \"base\": {}\n"),
+            (FileKind::Export, "<mujoco model=\"axis\">\n  <!-- exported by breakaway 0.1.0, for MuJoCo 3.7 -->\n"),
+            (FileKind::Card, "# Made by `breakaway models add`, breakaway 0.1.0.\n[card]\n"),
         ];
         let strange = [
             "t,u,x\n0,1,2\n",

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
+use breakaway_core::plant::effect::Memory;
 use breakaway_core::plant::{Drive, Plant, State};
 use breakaway_core::scalar::Real;
 use nalgebra::{DMatrix, DVector};
@@ -99,6 +100,13 @@ impl Problem<'_> {
             mse: residual.mean_square(segment.len),
             samples: residual.samples(segment.len),
         }
+    }
+
+    /// What the effects remember at a given start of a segment, in their order: for a program that simulates it elsewhere.
+    pub fn memory_at(&self, candidate: &Candidate, segment: Segment, initial: Start) -> Vec<Memory<f64>> {
+        let plant = Plant { base: candidate.base, effects: &candidate.effects };
+        let state = displaced(&plant, &self.state_before(&plant, segment), initial);
+        state.memory[..candidate.effects.len().min(state.memory.len())].to_vec()
     }
 
     /// Simulates a segment from a given initial state. Gives the positions as the sensor reports them, position units.

@@ -6,6 +6,7 @@ mod control_commands;
 mod decide;
 mod device;
 mod effects;
+mod export_commands;
 mod fleet;
 mod identify_choice;
 mod identify_data;

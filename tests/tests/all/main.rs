@@ -6,5 +6,6 @@ mod control;
 mod docs;
 mod errata;
 mod fuzz;
+mod models;
 mod pages;
 mod recordings;

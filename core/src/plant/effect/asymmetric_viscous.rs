@@ -1,6 +1,6 @@
 //! Viscous friction that differs between the directions: c + d forward, c − d backward.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -29,5 +29,9 @@ impl Law for AsymmetricViscous {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Drag { by_speed: p[0], by_square: R::ZERO })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Drag { by_speed: p[0], by_square: 0.0 }
     }
 }

@@ -1,7 +1,8 @@
 //! The load loses contact with the motor at every reversal and meets it again a gap later. The encoder is on the motor
 //! side.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Law, Memory, Parameter, Relation, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Why no other second body stands beside this one.
@@ -99,5 +100,9 @@ impl Law for Backlash {
 
     fn at_rest<R: Real>(_p: &[R], x: R) -> Memory<R> {
         [x, R::ZERO, R::ZERO]
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::LooseLoad { share: p[1], gap: p[0], restitution: p[2] }
     }
 }

@@ -1,7 +1,7 @@
 //! The magnets attract the slots: a force that is periodic in the position. The second harmonic is a refinement.
 //! Lines of other wave numbers (poles, slots, gear teeth) are entries of their own.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -43,5 +43,9 @@ impl Law for Cogging {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Ripple { wave_number: p[1], first: [-p[0], p[2]], second: [-p[3], p[4]] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Ripple { wave_number: p[1], first: [p[0], p[2]], second: [p[3], p[4]] }
     }
 }

@@ -1,6 +1,6 @@
 //! A constant force. On one axis it is the same effect as Coulomb friction that differs between the directions.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -29,5 +29,9 @@ impl Law for ConstantLoad {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Linear { constant: p[0], stiffness: R::ZERO })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Constant { force: -p[0] }
     }
 }

@@ -1,6 +1,6 @@
 //! Below break-away the contact is a spring: friction builds up over the presliding distance f1/σ after every reversal.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -56,5 +56,9 @@ impl Law for Dahl {
 
     fn bandwidth(p: &[f64], base: &Base<f64>) -> f64 {
         libm::sqrt(p[0] / base.b)
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Bristles { stiffness: p[0], damping: 0.0, rise: 0.0, speed: 1.0 }
     }
 }

@@ -1,7 +1,7 @@
 //! The drive loses a constant part of every command. The loss looks like Coulomb friction where the drive never
 //! changes its sign before the velocity does.
 
-use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -36,5 +36,9 @@ impl Law for DeadZone {
         // break-away force costs nothing, since the axis rests there anyway.
         let band = base.f1.scale(0.5).max(p[0].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadZone { loss: p[0], band })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveDeadZone { half_width: p[0] }
     }
 }

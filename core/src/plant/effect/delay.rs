@@ -1,6 +1,7 @@
 //! The drive acts later than the recording says.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Delay of the drive: `u_a(t) = u(t − τ)`.
@@ -50,5 +51,9 @@ impl Law for Delay {
             }
         }
         sum / R::from_f64(h)
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveDelay { delay_s: p[0] }
     }
 }

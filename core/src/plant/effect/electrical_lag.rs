@@ -1,6 +1,7 @@
 //! The current follows the voltage with a first-order lag.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Electrical lag: `τ·u̇_a = u − u_a`.
@@ -33,5 +34,9 @@ impl Law for ElectricalLag {
         let error = memory[0] - at.u;
         memory[0] = at.u + error * decay;
         at.u + error * ((R::ONE - decay) / ratio)
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveLag { time_constant_s: p[0] }
     }
 }

@@ -1,6 +1,7 @@
 //! The encoder's scale is off its centre, so the reading errs once per turn. The position x is in radians.
 
-use super::{ActsIn, Definition, Law, Parameter, Role};
+use super::{ActsIn, Definition, Element, Law, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Encoder eccentricity: `measured = x + A·sin(x + φ)`.
@@ -27,5 +28,9 @@ impl Law for EncoderEccentricity {
 
     fn sensor<R: Real>(p: &[R], x: R) -> R {
         p[0] * (x + p[1]).sin()
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::ReadingRipple { amplitude: p[0], wave_number: 1.0, phase: p[1] }
     }
 }

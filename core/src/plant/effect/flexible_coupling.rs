@@ -1,7 +1,7 @@
 //! A second inertia hangs on a shaft or a belt that gives. The encoder is on the motor side.
 
 use super::backlash::ONE_SECOND_BODY;
-use super::{ActsIn, Definition, Instant, Law, Memory, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Instant, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -56,5 +56,9 @@ impl Law for FlexibleCoupling {
 
     fn bandwidth(p: &[f64], _base: &Base<f64>) -> f64 {
         p[1] / libm::sqrt((1.0 - p[0]).max(0.02))
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::SprungLoad { share: p[0], angular_frequency: p[1], damping_ratio: p[2] }
     }
 }

@@ -1,6 +1,6 @@
 //! Coulomb friction changes over the session as the grease warms up.
 
-use super::{ActsIn, Definition, Instant, Law, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -28,5 +28,9 @@ impl Law for FrictionDrift {
 
     fn level<R: Real>(p: &[R], _base: &Base<R>, at: &Instant<R>) -> R {
         p[0] * (-(at.t / p[1])).exp()
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::LevelInTime { rise: p[0], time_constant_s: p[1] }
     }
 }

@@ -1,6 +1,7 @@
 //! The gain of drive and motor falls as they warm up, or as the battery empties.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role};
+use super::{ActsIn, Definition, Element, Held, Instant, Law, Memory, Parameter, Role};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Drive gain drift: `u_a = u·(1 − k·t)`.
@@ -27,5 +28,9 @@ impl Law for GainDrift {
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u * (R::ONE - p[0] * at.t)
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveGainDrift { rate: p[0] }
     }
 }

@@ -1,6 +1,6 @@
 //! An unbalanced mass turns with a rotary axis. The position x is in radians.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -32,5 +32,9 @@ impl Law for GravityLoad {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Ripple { wave_number: R::ONE, first: [-p[0], p[1]], second: [R::ZERO; 2] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Ripple { wave_number: 1.0, first: [p[0], p[1]], second: [0.0; 2] }
     }
 }

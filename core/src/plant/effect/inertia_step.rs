@@ -1,6 +1,7 @@
 //! The inertia changes once, when a load is picked up or put down.
 
-use super::{ActsIn, Definition, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 const SHARES_OF_THE_SESSION: [f64; 17] =
@@ -32,5 +33,9 @@ impl Law for InertiaStep {
 
     fn inertia<R: Real>(p: &[R], t: R, _memory: &Memory<R>) -> R {
         if t >= p[1] { R::ONE + p[0] } else { R::ONE }
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::InertiaStep { share: p[0], at_s: p[1] }
     }
 }

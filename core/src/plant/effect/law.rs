@@ -1,6 +1,6 @@
 //! What a physical effect is: a definition, and the hooks through which it acts.
 
-use super::{Compensation, Definition};
+use super::{Compensation, Definition, Element};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -120,6 +120,11 @@ pub trait Law {
     /// the same in words.
     fn compensation<R: Real>(_p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         None
+    }
+    /// What the effect is as a part of a machine, for programs that build the machine elsewhere. [`Element::Other`] is in
+    /// none of them.
+    fn element(_p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Other
     }
     /// Least sub-steps of a sample period; more than 1 where the motion within a sample tells the effect from
     /// another. In one step a delay and a lag of the same time constant move the motor alike, so they take 7. From

@@ -1,6 +1,6 @@
 //! Friction grows with the transmitted force, as in gears, worm drives and ball screws.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -29,5 +29,9 @@ impl Law for LoadFriction {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::LevelOfDrive { ratio: p[0] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::LevelByDrive { ratio: p[0] }
     }
 }

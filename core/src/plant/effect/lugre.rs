@@ -1,7 +1,7 @@
 //! Bristles with damping carry the friction, and their level follows a Stribeck curve.
 
 use super::dahl::{BRISTLES_AT_REST, ONE_BRISTLE};
-use super::{ActsIn, Dahl, Definition, Law, Memory, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Dahl, Definition, Element, Law, Memory, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -55,5 +55,9 @@ impl Law for LuGre {
 
     fn bandwidth(p: &[f64], base: &Base<f64>) -> f64 {
         libm::sqrt(p[0] / base.b).max(p[1] / base.b)
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Bristles { stiffness: p[0], damping: p[1], rise: p[2], speed: p[3] }
     }
 }

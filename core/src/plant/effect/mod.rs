@@ -10,6 +10,7 @@
 mod canonical;
 mod compensation;
 mod definition;
+mod element;
 mod law;
 mod limits;
 mod parameter;
@@ -17,6 +18,7 @@ mod role;
 
 pub use compensation::Compensation;
 pub use definition::{ActsIn, Definition, Relation};
+pub use element::Element;
 pub use law::{Held, Instant, Law, Memory};
 pub use parameter::{MAX_PARAMETERS, Over, Parameter, Scale, Search};
 pub use role::Role;
@@ -118,6 +120,13 @@ macro_rules! catalogue {
             /// See [`Law::bandwidth`].
             pub fn bandwidth(self, p: &[f64], base: &Base<f64>) -> f64 {
                 match self { $(Self::$law => <$law as Law>::bandwidth(p, base),)* }
+            }
+        }
+
+        impl Effect<f64> {
+            /// See [`Law::element`].
+            pub fn element(&self, base: &Base<f64>) -> Element {
+                match self.kind { $(Kind::$law => $law::element(&self.p, base),)* }
             }
         }
 

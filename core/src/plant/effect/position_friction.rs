@@ -1,7 +1,7 @@
 //! Coulomb friction varies along the travel, for example on a bent shaft. Unlike cogging, this force changes its sign
 //! with the velocity.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Over, Parameter, Role, Search};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Over, Parameter, Role, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -34,5 +34,9 @@ impl Law for PositionFriction {
 
     fn compensation<R: Real>(p: &[R], base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::LevelRipple { amplitude: base.f1 * p[0], wave_number: p[1], phase: p[2] })
+    }
+
+    fn element(p: &[f64], base: &Base<f64>) -> Element {
+        Element::LevelByPosition { amplitude: base.f1 * p[0], wave_number: p[1], phase: p[2] }
     }
 }

@@ -1,6 +1,6 @@
 //! A bridge loses voltage in its dead time, against the direction of the current.
 
-use super::{ActsIn, Compensation, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -39,5 +39,9 @@ impl Law for PwmDeadTime {
         // below 1 + 10·d/i0.
         let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveDeadTime { loss: p[0], edge: p[1], back_emf: p[2] }
     }
 }

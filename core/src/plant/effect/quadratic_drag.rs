@@ -1,6 +1,6 @@
 //! A fan, a propeller or a turbulent film brakes with the square of the speed.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -29,5 +29,9 @@ impl Law for QuadraticDrag {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Drag { by_speed: R::ZERO, by_square: p[0] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Drag { by_speed: 0.0, by_square: p[0] }
     }
 }

@@ -1,6 +1,7 @@
 //! The drive is limited to ±u_max.
 
-use super::{ActsIn, Definition, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Saturation of the drive: `u_a = clip(u, ±u_max)`.
@@ -27,5 +28,9 @@ impl Law for Saturation {
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u.min(p[0]).max(-p[0])
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::DriveLimit { largest: p[0] }
     }
 }

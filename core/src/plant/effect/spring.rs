@@ -1,6 +1,6 @@
 //! A spring, a hose or a cable chain pulls the axis to a rest position.
 
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Role, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -32,5 +32,9 @@ impl Law for Spring {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Linear { constant: -p[0] * p[1], stiffness: p[0] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Spring { stiffness: p[0], rest: p[1] }
     }
 }

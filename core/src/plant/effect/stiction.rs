@@ -1,7 +1,8 @@
 //! The friction level at rest is higher than in the slowest sliding.
 
 use super::dahl::BRISTLES_AT_REST;
-use super::{ActsIn, Definition, Law, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Definition, Element, Law, Parameter, Relation, Role, Scale, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Stiction: `break-away level f1 + s at rest only`.
@@ -32,5 +33,9 @@ impl Law for Stiction {
 
     fn breakaway<R: Real>(p: &[R]) -> R {
         p[0]
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::LevelAtRest { rise: p[0] }
     }
 }

@@ -1,7 +1,7 @@
 //! Friction falls with speed, from boundary to mixed lubrication. The exponent is a refinement; its usual value is 2.
 
 use super::lugre::HAS_THE_CURVE;
-use super::{ActsIn, Compensation, Definition, Instant, Law, Parameter, Relation, Role, Scale, Search};
+use super::{ActsIn, Compensation, Definition, Element, Instant, Law, Parameter, Relation, Role, Scale, Search};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -47,5 +47,9 @@ impl Law for Stribeck {
 
     fn compensation<R: Real>(p: &[R], _base: &Base<R>) -> Option<Compensation<R>> {
         Some(Compensation::Stribeck { rise: p[0], speed: p[1], exponent: p[2] })
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::LevelBySpeed { rise: p[0], speed: p[1], exponent: p[2] }
     }
 }

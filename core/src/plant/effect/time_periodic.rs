@@ -1,6 +1,7 @@
 //! A force is periodic in time: a fan, or another machine on the same frame, shakes the axis.
 
-use super::{ActsIn, Definition, Instant, Law, Over, Parameter, Role, Search};
+use super::{ActsIn, Definition, Element, Instant, Law, Over, Parameter, Role, Search};
+use crate::plant::base::Base;
 use crate::scalar::Real;
 
 /// Time-periodic disturbance: `+A·sin(ω·t + φ)`.
@@ -29,5 +30,9 @@ impl Law for TimePeriodic {
 
     fn force<R: Real>(p: &[R], at: &Instant<R>) -> R {
         p[0] * (p[1] * at.t + p[2]).sin()
+    }
+
+    fn element(p: &[f64], _base: &Base<f64>) -> Element {
+        Element::Shaking { amplitude: p[0], angular_frequency: p[1], phase: p[2] }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use breakaway::command::models::Action;
 use breakaway::command::{Cli, CliCommand};
 use breakaway::file::Target;
 
@@ -62,6 +63,18 @@ impl Files {
                 files.reads.push(a.model.clone());
                 files.writes = target(&a.output);
             }
+            CliCommand::Export(a) => {
+                files.reads.push(a.model.clone());
+                files.writes = target(&a.output);
+            }
+            CliCommand::Models(a) => match &a.action {
+                Action::Show(a) => files.writes = target(&a.output),
+                Action::Add(a) => {
+                    files.reads = [a.recordings.clone(), vec![a.model.clone()]].concat();
+                    files.writes = target(&Some(a.output.clone()));
+                }
+                Action::List | Action::Compare(_) => {}
+            },
             CliCommand::Man(a) => files.writes = some(&a.output),
             CliCommand::Effects(_) | CliCommand::Monitor(_) | CliCommand::Device(_) | CliCommand::Completions(_) => {}
         }

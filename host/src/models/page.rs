@@ -1,0 +1,93 @@
+//! The cards as a page of documentation: `docs/models.md`.
+
+use std::fmt::Write as _;
+
+use super::Card;
+use super::compare::{Quantity, parameters};
+
+const HEAD: &str = "# The motor library
+
+A card holds the model of a machine, and what it was made from and judged by. The cards are in
+`models/` and in the program. This page is generated from them.
+
+    breakaway models list
+    breakaway models show emps
+    breakaway models compare emps ak80
+
+*Held out* is the error of a simulation over windows of the last third of every recording. The start
+of a window is fitted to its first 40 %. *Standing still* is the same of an axis that does not move.
+
+| of a card | |
+|---|---|
+| `[card]` | name, machine, source, and the command that gives the model again |
+| `[data]` | licence and columns, and `[[data.file]]` with name and SHA-256 of each recording |
+| `[motor]` | what is known of motor and gear, for `breakaway export --motor` |
+| `[range]` | where the recordings were: position, speed, drive |
+| `[held_out]` | the error below, over how many windows |
+| `[model]` | the model, as a model file has it ([formats](formats.md)) |
+
+The recordings are other people's, and the project holds none of them. *–*: the parameter was held,
+or found in the measured forces, which give no error.
+
+`breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check. It fails
+if a text is missing, if a hash is none, or if the model is worse than an axis that stands still.
+Where the recordings are there, a test computes hashes and held-out errors again.
+
+";
+
+/// The page.
+pub fn page(cards: &[Card]) -> String {
+    let mut text = HEAD.to_owned();
+    text.push_str("| card | machine | effects | held out | standing still | windows |\n|---|---|---|---|---|---|\n");
+    for card in cards {
+        let held = &card.held_out;
+        let x = &card.model.units.x;
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "| [{0}](#{0}) | {1} | {2} | {3:.3e} {x} | {4:.3e} {x} | {5} of {6} s |",
+            card.head.name,
+            card.head.machine,
+            effects(card),
+            held.rmse,
+            held.standstill_rmse,
+            held.windows,
+            held.window_s
+        );
+    }
+    for card in cards {
+        text.push_str(&section(card));
+    }
+    text
+}
+
+/// The names of a card's effects.
+pub fn effects(card: &Card) -> String {
+    let names: Vec<&str> = card.model.effects.iter().map(|entry| entry.name.as_str()).collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+fn section(card: &Card) -> String {
+    let (x, u) = (&card.model.units.x, &card.model.units.u);
+    let mut text = format!("\n## {}\n\n{}.\n\n", card.head.name, card.head.machine);
+    let range = &card.range;
+    let rows = [
+        ("source", card.head.source.clone()),
+        ("licence of the data", card.data.licence.clone()),
+        ("recordings", card.data.file.len().to_string()),
+        ("position", format!("{:.4} to {:.4} {x}", range.position[0], range.position[1])),
+        ("largest speed", format!("{:.4} {x}/s", range.speed)),
+        ("largest drive", format!("{:.4} {u}", range.drive)),
+        ("again by", format!("`{}`", card.head.repeat)),
+    ];
+    text.push_str("| of the data | |\n|---|---|\n");
+    for (what, value) in rows {
+        let _ = writeln!(text, "| {what} | {value} |");
+    }
+    text.push_str("\n| parameter | value | error | unit |\n|---|---|---|---|\n");
+    for (name, Quantity { value, se, unit }) in parameters(card) {
+        let se = se.map_or_else(|| "–".to_owned(), |se| format!("{se:.1e}"));
+        let _ = writeln!(text, "| {name} | {value:.4e} | {se} | {unit} |");
+    }
+    text
+}
