@@ -105,8 +105,8 @@ impl MotorArgs {
 }
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
-struct Document<'a> {
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(in crate::command) struct Document<'a> {
     version: &'static str,
     target: &'static str,
     output: Option<String>,
@@ -117,7 +117,7 @@ struct Document<'a> {
     remarks: Vec<Remark<'a>>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Remark<'a> {
     kind: &'static str,
     text: &'a str,

@@ -11,11 +11,13 @@ use crate::device::DeviceError;
 use crate::device::set_points::LineError;
 use crate::device::virtual_board::VirtualBoardError;
 use crate::discover::engine::DiscoverError;
+use crate::export::ExportError;
 use crate::file::{FileError, TargetError};
 use crate::fit::FitError;
 use crate::fleet::machine::FolderError;
 use crate::identify::estimate::IdentifyError;
 use crate::model::ModelError;
+use crate::models::CardError;
 use crate::recording::RecordingError;
 use crate::simulate::SimulateError;
 use crate::sine::SineFitError;
@@ -105,7 +107,9 @@ fn typed(error: &(dyn std::error::Error + 'static)) -> Option<Value> {
         ControlError,
         SineFitError,
         FolderError,
-        LineError
+        LineError,
+        ExportError,
+        CardError
     )
 }
 

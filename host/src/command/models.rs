@@ -69,13 +69,13 @@ pub struct CompareArgs {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-#[derive(Debug, Serialize)]
-struct List {
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(in crate::command) struct List {
     version: &'static str,
     cards: Vec<Listed>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Listed {
     name: String,
     machine: String,
@@ -84,8 +84,8 @@ struct Listed {
     held_out: HeldOut,
 }
 
-#[derive(Debug, Serialize)]
-struct Shown<'a> {
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(in crate::command) struct Shown<'a> {
     version: &'static str,
     card: &'a Head,
     data: &'a Data,
@@ -96,15 +96,15 @@ struct Shown<'a> {
     parameters: Vec<Parameter>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Parameter {
     name: String,
     #[serde(flatten)]
     quantity: Quantity,
 }
 
-#[derive(Debug, Serialize)]
-struct Compared<'a> {
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(in crate::command) struct Compared<'a> {
     version: &'static str,
     first: &'a str,
     second: &'a str,

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 use super::output::SCHEMA_VERSION;
 use super::virtual_board;
 use super::{
-    capture, completions, demo, discover, effects, failure, identify, man, run, simulate, sinefit, track, tune,
+    capture, completions, demo, discover, effects, export, failure, identify, man, models, run, simulate, sinefit,
+    track, tune,
 };
 use crate::report;
 use crate::report::remark::RemarkJson;
@@ -24,8 +25,13 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("discover-fleet", of::<discover::fleet::Document<'_>>()),
         ("effects", of::<effects::Document>()),
         ("error", of::<failure::Document<'_>>()),
+        ("export", of::<export::Document<'_>>()),
         ("identify", of::<identify::Document>()),
         ("man", of::<man::Document>()),
+        ("models-add", of::<models::add::Document>()),
+        ("models-compare", of::<models::Compared<'_>>()),
+        ("models-list", of::<models::List>()),
+        ("models-show", of::<models::Shown<'_>>()),
         ("run", of::<run::Document>()),
         ("simulate", of::<simulate::Document>()),
         ("sinefit", of::<sinefit::Document>()),

@@ -8,7 +8,7 @@ use super::units::Scale;
 use crate::model::{EffectEntry, Model};
 
 /// Inertia and friction of one side of the gear, in SI units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Values {
     /// kg·m², or kg of a linear load.
     pub inertia: f64,
@@ -19,7 +19,7 @@ pub struct Values {
 }
 
 /// Both sides of the gear.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Sides {
     /// Behind the gear: what a simulator's joint takes.
     pub load: Values,

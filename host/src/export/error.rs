@@ -3,7 +3,8 @@
 use super::Target;
 
 /// Why a model cannot be exported.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum ExportError {
     /// The unit of the drive says nothing of what it is.

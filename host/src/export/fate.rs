@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// What becomes of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fate {
     /// The target has the same law.
@@ -15,7 +15,7 @@ pub enum Fate {
 }
 
 /// What became of one part of the model.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Row {
     /// `b`, `c`, `f1`, or the effect's catalogue name.
     pub what: String,

@@ -29,7 +29,8 @@ use axis::Axis;
 use fate::Written;
 
 /// Another program's format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Target {
     /// MuJoCo.
     Mjcf,

@@ -29,7 +29,7 @@ pub struct Card {
 }
 
 /// Which machine.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Head {
     /// Short name: the card's file is `NAME.toml`.
@@ -43,7 +43,7 @@ pub struct Head {
 }
 
 /// What the model was made from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Data {
     /// Licence of the recordings, or that none is stated.
@@ -62,7 +62,7 @@ pub struct Data {
 }
 
 /// A recording.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct File {
     /// Path under the folder of the data.
@@ -72,7 +72,7 @@ pub struct File {
 }
 
 /// What is known of motor and gear; see [`Motor`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Constants {
     /// Torque constant, N·m/A.
@@ -96,7 +96,7 @@ pub struct Constants {
 }
 
 /// Where the recordings were: the model says nothing beyond.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// Smallest and largest position, position units.
@@ -108,7 +108,7 @@ pub struct Range {
 }
 
 /// How well the model does on what was held out: the last third of every recording.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HeldOut {
     /// Length of the windows, s.
@@ -121,7 +121,7 @@ pub struct HeldOut {
     pub standstill_rmse: f64,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Document {
     card: Head,
@@ -130,6 +130,7 @@ struct Document {
     motor: Constants,
     range: Range,
     held_out: HeldOut,
+    #[schemars(with = "serde_json::Value")]
     model: toml::Table,
 }
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Card;
 
 /// One parameter of two cards.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Line {
     /// `b`, `c`, `f1`, or `effect.symbol`.
     pub parameter: String,
@@ -18,7 +18,7 @@ pub struct Line {
 }
 
 /// A number with its error and unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Quantity {
     /// The value.
     pub value: f64,

@@ -25,7 +25,8 @@ const CARDS: [(&str, &str); 6] = [
 ];
 
 /// Why a card cannot be used.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", content = "at", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum CardError {
     /// The file cannot be read, or is of another kind.

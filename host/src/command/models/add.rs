@@ -75,8 +75,8 @@ pub struct ColumnArgs {
     pub select: Vec<crate::recording::Selection>,
 }
 
-#[derive(Debug, Serialize)]
-struct Document {
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub(in crate::command) struct Document {
     version: &'static str,
     card: String,
     name: String,
