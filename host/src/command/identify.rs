@@ -145,7 +145,7 @@ impl HeldOut {
 impl Document {
     fn new(result: &Identification, units: &Units, left_out: Vec<String>) -> Self {
         let own = result.remarks.iter().map(|remark| RemarkJson::new(remark.kind(), remark));
-        let remarks = own.chain(left_out.into_iter().map(|text| RemarkJson::new("left_out", text)));
+        let remarks = own.chain(left_out.into_iter().map(|text| RemarkJson::new("left_out", &text)));
         let best = Row::new(&result.best, units);
         let ratio = result.choice.comparison().map(Comparison::ratio);
         // Weak form and output error are compared; the describing function's and the modulating functions' are not.
@@ -181,7 +181,7 @@ impl Document {
             residual_correlation: result.residual_correlation,
             winding: result.winding.as_ref().map(|winding| Electrical::new(winding, result.best.c, units)),
             remarks: remarks
-                .chain(result.gravity.iter().map(|trial| RemarkJson::new("gravity", choice::gravity(trial))))
+                .chain(result.gravity.iter().map(|trial| RemarkJson::new("gravity", &choice::gravity(trial))))
                 .collect(),
         }
     }

@@ -87,7 +87,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 pub(super) fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(document)?;
     if let Value::Object(fields) = &mut value {
-        let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", text));
+        let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", &text));
         let warnings: Vec<Value> = warnings.map(serde_json::to_value).collect::<Result<_, _>>()?;
         match fields.get_mut("remarks") {
             Some(Value::Array(remarks)) => remarks.extend(warnings),

@@ -14,7 +14,7 @@ pub struct RemarkJson {
 
 impl RemarkJson {
     /// A remark of a kind.
-    pub fn new(kind: &'static str, text: impl ToString) -> Self {
+    pub fn new(kind: &'static str, text: &impl ToString) -> Self {
         Self { kind, text: text.to_string() }
     }
 }

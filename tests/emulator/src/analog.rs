@@ -21,6 +21,8 @@ const SMPR2: u32 = 0x18;
 const JSQR: u32 = 0x4c;
 const JDR1: u32 = 0x80;
 const COMMON_CCR: u32 = 0x308;
+/// Its clock's source; 0 is an asynchronous one.
+const CKMODE: u32 = 3 << 16;
 const ADEN: u32 = 1;
 const JADSTART: u32 = 1 << 3;
 const ADVREGEN: u32 = 1 << 28;
@@ -107,7 +109,7 @@ impl Analog {
             "the regulator is switched on in deep power-down"
         } else if risen & (ADCAL | ADEN) != 0 && (before & ADVREGEN == 0 || now < self.regulator_at) {
             "it is used before its regulator is up (20 µs)"
-        } else if risen & (ADCAL | ADEN) != 0 && store.get(ADC1 + COMMON_CCR) >> 16 & 3 == 0 {
+        } else if risen & (ADCAL | ADEN) != 0 && store.get(ADC1 + COMMON_CCR) & CKMODE == 0 {
             "it is used without the synchronous clock"
         } else if value & ADCAL != 0 && (before | risen) & ADEN != 0 {
             "it is calibrated while it is on"

@@ -31,6 +31,7 @@ const PWM_MODE_1: u32 = 6;
 
 /// The timer's outputs.
 #[derive(Debug, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "four signals, each by itself")]
 pub struct Bridge {
     /// Compare values in force; those written come with the next update.
     shadow: [u32; 2],
