@@ -1,5 +1,6 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`.
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`,
+//! `logs-test`.
 
 mod arrows;
 mod bench;
@@ -11,6 +12,7 @@ mod emulator;
 mod fleet;
 mod fuzz;
 mod image;
+mod logs;
 mod loops;
 mod miri;
 mod qemu;
@@ -51,7 +53,7 @@ enum Task {
     },
     /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
-        /// Inputs: recording, model, controller, experiment, frame, command, flash; all of them where none is named
+        /// Inputs: recording, log, model, controller, experiment, frame, command, flash; all of them where none is named
         targets: Vec<String>,
         /// Processor time for each, s
         #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
@@ -99,6 +101,9 @@ enum Task {
         #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
         noise: u32,
     },
+    /// Write a recording in every format of a log by the format's own package, read each, and compare what `identify`
+    /// says; needs Python, PyPI and the recordings
+    LogsTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -123,6 +128,7 @@ fn main() -> ExitCode {
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::FleetTest => fleet::test(),
+        Task::LogsTest => logs::test(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

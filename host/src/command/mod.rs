@@ -10,6 +10,7 @@ pub mod device;
 pub mod discover;
 pub mod effects;
 pub mod identify;
+pub mod look;
 pub mod man;
 pub mod monitor;
 pub mod output;
@@ -66,6 +67,8 @@ pub enum CliCommand {
     Simulate(simulate::Args),
     /// Find where simulation and recordings disagree, name the missing effect, add it to the model
     Discover(discover::Args),
+    /// List what is in a log, guess time, drive and position, say what is wrong, print the command to identify
+    Look(look::Args),
     /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
@@ -108,6 +111,7 @@ pub fn run(cli: Cli) -> ExitCode {
         CliCommand::Run(args) => args.run(output),
         CliCommand::Simulate(args) => args.run(output),
         CliCommand::Discover(args) => args.run(output),
+        CliCommand::Look(args) => args.run(output),
         CliCommand::Identify(args) => args.run(output),
         CliCommand::Effects(args) => args.run(output),
         CliCommand::Sinefit(args) => args.run(output),

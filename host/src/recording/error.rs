@@ -1,10 +1,12 @@
 //! What can be wrong with a recording: one variant and one message each, with file, line, column and what to do.
 
 mod clock;
+mod log;
 mod place;
 mod session;
 
 pub use clock::ClockError;
+pub use log::LogError;
 pub use place::Place;
 pub use session::SessionError;
 
@@ -27,6 +29,9 @@ pub enum RecordingError {
     /// What is wrong with a session of recordings.
     #[error(transparent)]
     Session(#[from] SessionError),
+    /// What is wrong with a log in another format than CSV.
+    #[error(transparent)]
+    Log(#[from] LogError),
     /// The file could not be read or written, or is of another kind.
     #[error(transparent)]
     File(#[from] FileError),
@@ -148,6 +153,24 @@ pub enum RecordingError {
         place: Place,
         /// The field.
         text: String,
+    },
+    /// A list where one number is wanted.
+    #[error("{place}: `{text}` is a list; give one of its elements, `{}[0]` is the first", place.column)]
+    List {
+        /// Where.
+        place: Place,
+        /// The field.
+        text: String,
+    },
+    /// A list without the element that is wanted.
+    #[error("{place}: element {element} is wanted of a list of {found}, counted from 0")]
+    NoElement {
+        /// Where.
+        place: Place,
+        /// The element.
+        element: usize,
+        /// Elements found.
+        found: usize,
     },
     /// A number that goes on over lines.
     #[error("{place}: the field goes on past the end of its line; is a quote opened and not closed?")]

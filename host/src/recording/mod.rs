@@ -1,16 +1,19 @@
 //! Recordings: time, applied drive and measured position.
 //!
 //! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
+//! Logs in other formats are known by their first bytes ([`formats`]).
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
 mod angle;
 mod clock;
 mod error;
 mod field;
+pub mod formats;
 mod header;
 mod held;
 mod limits;
 mod lines;
+mod log_table;
 mod mend;
 mod options;
 mod outliers;
@@ -32,7 +35,8 @@ use std::io::Read;
 use std::path::Path;
 
 pub use clock::TimeUnit;
-pub use error::{ClockError, Place, RecordingError, SessionError};
+pub use error::{ClockError, LogError, Place, RecordingError, SessionError};
+pub use formats::Format;
 pub use held::Held;
 pub use limits::{MAX_COLUMNS, MAX_ROW_BYTES, MAX_ROWS};
 pub use lines::Lines;
@@ -99,11 +103,18 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
     pub fn read_from(file: &str, input: impl Read, options: &ReadOptions) -> Result<Self, RecordingError> {
-        let wanted = [
-            Wanted { name: options.input_column(), flag: "--input" },
-            Wanted { name: options.position_column(), flag: "--position" },
-        ];
-        let mut table = Table::read(file, input, options, &wanted)?;
+        Self::of_table(file, Table::read(file, input, options, &wanted(options))?, options)
+    }
+
+    /// Takes a recording from a log whose channels were read already; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`RecordingError`], as of [`Recording::read_from`].
+    pub fn from_log(file: &str, log: &formats::Log, options: &ReadOptions) -> Result<Self, RecordingError> {
+        Self::of_table(file, Table::of_log(file, log, options, &wanted(options))?, options)
+    }
+
+    fn of_table(file: &str, mut table: Table, options: &ReadOptions) -> Result<Self, RecordingError> {
         table.check(file)?;
         let unknown = Units::default();
         let unit_of = |name| units::of_column(name, &table.header).map(|unit| field::shown(&unit));
@@ -141,6 +152,14 @@ impl Recording {
     pub fn radians_per_unit(&self) -> Option<f64> {
         self.units.radians(self.counts_per_turn)
     }
+}
+
+/// The columns of a recording.
+fn wanted(options: &ReadOptions) -> [Wanted<'_>; 2] {
+    [
+        Wanted { name: options.input_column(), flag: "--input" },
+        Wanted { name: options.position_column(), flag: "--position" },
+    ]
 }
 
 /// The name of a recording: its file's, without folder and endings.

@@ -75,6 +75,25 @@ pub enum Warning {
         /// What is there of it.
         text: String,
     },
+    /// The file ends inside a record; what is before it is used.
+    EndsInRecord {
+        /// Byte at which the record begins.
+        at_byte: u64,
+    },
+    /// Rows in which a channel has no value; they are left out, and the recording is cut there.
+    NoValue {
+        /// Number of these rows.
+        rows: usize,
+        /// Their share of all rows, 0 to 1.
+        share: f64,
+    },
+    /// Drive and position have clocks of their own.
+    Joined {
+        /// The drive's channel.
+        drive: String,
+        /// The position's channel.
+        position: String,
+    },
     /// The sensor refreshes the position less often than rows are written; in between it is held.
     Held(Held),
     /// The drive is stuck at its extremes for `fraction` of the samples: the true demand is not what was applied.
@@ -151,6 +170,20 @@ impl fmt::Display for Warning {
             Self::Torn { line, text } => {
                 write!(out, "line {line}: the last row (`{text}`) is cut off; it is left out")
             }
+            Self::EndsInRecord { at_byte } => {
+                write!(out, "the file ends inside the record at byte {at_byte}; what is before it is used")
+            }
+            Self::NoValue { rows, share } => write!(
+                out,
+                "{rows} row(s) ({:.1} % of all) have no value of a channel that is used; they are left out, and the \
+                 recording is cut there",
+                100.0 * share
+            ),
+            Self::Joined { drive, position } => write!(
+                out,
+                "`{drive}` and `{position}` have clocks of their own: the rows are those of `{position}`, which is not \
+                 interpolated, and `{drive}` is held from value to value"
+            ),
             Self::Held(held) => write!(
                 out,
                 "the position is refreshed every {:.3} ms and held in between: {:.0} % of the rows in motion repeat the row \
