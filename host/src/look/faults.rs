@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::guess::Guesses;
+use super::guess::{Guess, Guesses};
 use super::motion::gain;
-use crate::recording::{Recording, Warning};
+use crate::recording::{ReadOptions, Recording, Warning};
 
 /// Standard errors from which the acceleration goes against the drive.
 const AGAINST: f64 = 5.0;
@@ -73,13 +73,16 @@ pub struct Fault {
 }
 
 /// What of time, drive and position was not found.
-pub(super) fn missing(guesses: &Guesses) -> Vec<Fault> {
-    let one = |found: bool, what: &str, flag: &str| {
-        let text = format!("no channel is called like a {what}; name it with {flag}");
-        (!found).then_some(Fault { kind: FaultKind::Missing, share: None, text })
+pub(super) fn missing(guesses: &Guesses, options: &ReadOptions) -> Vec<Fault> {
+    let one = |guess: &Option<Guess>, named: &Option<String>, what: &str, flag: &str| {
+        let text = named.as_ref().map_or_else(
+            || format!("no channel is called like a {what}; name it with {flag}"),
+            |name| format!("there is no channel `{name}` of numbers, which {flag} names"),
+        );
+        guess.is_none().then_some(Fault { kind: FaultKind::Missing, share: None, text })
     };
-    let position = one(guesses.position.is_some(), "position", "--position");
-    position.into_iter().chain(one(guesses.drive.is_some(), "drive", "--input")).collect()
+    let position = one(&guesses.position, &options.position, "position", "--position");
+    position.into_iter().chain(one(&guesses.drive, &options.input, "drive", "--input")).collect()
 }
 
 /// What is wrong with a recording.

@@ -1,5 +1,7 @@
 //! Which channels are time, drive and position: by their names, their units, and what their numbers do.
 
+use std::fmt::Write as _;
+
 use super::motion::gain;
 use super::names::{Role, words};
 use crate::recording::formats::{Channel, Group, Log};
@@ -78,25 +80,31 @@ pub(super) fn guess(log: &Log, options: &ReadOptions) -> (Guesses, ReadOptions) 
     let candidates: Vec<Candidate<'_>> = log
         .channels()
         .filter_map(|(_, group, channel)| Some(Candidate { group, channel, numbers: channel.values.numbers()? }))
-        .filter(|candidate| candidate.numbers.len() >= MIN_ROWS && candidate.range() > 0.0)
+        .filter(|candidate| candidate.numbers.len() >= MIN_ROWS)
         .collect();
+    // What never changes is taken only where nothing else is: that is then what is wrong.
+    let (moving, still): (Vec<_>, Vec<_>) = candidates.iter().partition(|candidate| candidate.range() > 0.0);
     let mut guesses = Guesses { seconds_per_time_unit: 1.0, ..Guesses::default() };
     let mut options = options.clone();
     let given = |name: &Option<String>| {
         let (group, channel) = log.find(name.as_deref()?)?;
         Some(Candidate { group, channel, numbers: channel.values.numbers()? })
     };
-    let position = match given(&options.position) {
-        Some(candidate) => Some((candidate, "it is named by --position".to_owned())),
-        None => position(&candidates),
+    // A name that is given and not there is not replaced by a guess.
+    let position = if options.position.is_some() {
+        given(&options.position).map(|candidate| (candidate, "it is named by --position".to_owned()))
+    } else {
+        position(&moving).or_else(|| position(&still))
     };
     let Some((position, reason)) = position else { return (guesses, options) };
     guesses.position = Some(Guess { channel: position.name(), reason });
     options.position = Some(position.name());
     let times = times(&candidates, &position, given(&options.time), &mut options, &mut guesses);
-    let drive = match given(&options.input) {
-        Some(candidate) => Some((candidate, "it is named by --input".to_owned())),
-        None => drive(&candidates, &position, times.as_deref()),
+    let drive = if options.input.is_some() {
+        given(&options.input).map(|candidate| (candidate, "it is named by --input".to_owned()))
+    } else {
+        let times = times.as_deref();
+        drive(&moving, &position, times).or_else(|| drive(&still, &position, times))
     };
     if let Some((drive, reason)) = drive {
         options.input = Some(drive.name());
@@ -123,7 +131,8 @@ fn position<'a>(candidates: &[Candidate<'a>]) -> Option<(Candidate<'a>, String)>
     let ((_, word), candidate) = alike.into_iter().max_by(|a, b| a.1.range().total_cmp(&b.1.range()))?;
     let mut reason = called(word.as_deref(), "position", candidate.channel.unit.as_deref());
     if count > 1 {
-        reason += &format!("; of {count} such channels it moves most");
+        // Writing to a String cannot fail.
+        let _ = write!(reason, "; of {count} such channels it moves most");
     }
     Some((*candidate, reason))
 }
@@ -211,7 +220,7 @@ fn drive<'a>(
             let gain = gain(times, candidate.numbers, position.numbers, None);
             worth += MOST_BY_DATA * (gain.t.abs() / CERTAIN).min(1.0);
             if gain.t.abs() > CERTAIN / 10.0 {
-                reason += &format!("; the acceleration follows it ({:.0} standard errors)", gain.t.abs());
+                let _ = write!(reason, "; the acceleration follows it ({:.0} standard errors)", gain.t.abs());
             }
         }
         if best.as_ref().is_none_or(|(most, ..)| worth > *most) {

@@ -78,7 +78,7 @@ fn look_by(
         guesses,
     };
     if look.guesses.drive.is_none() || look.guesses.position.is_none() {
-        look.faults.extend(faults::missing(&look.guesses));
+        look.faults.extend(faults::missing(&look.guesses, &options));
         return look;
     }
     let mut outcome = read(&options);

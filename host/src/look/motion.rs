@@ -80,7 +80,7 @@ mod tests {
     fn the_gain_has_the_sign_of_the_drive() {
         let (mut x, mut v) = (0.0, 0.0);
         let t: Vec<f64> = (0..4000).map(|k| f64::from(k) * 1e-3).collect();
-        let u: Vec<f64> = t.iter().map(|t| if (t / 0.3) as usize % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let u: Vec<f64> = t.iter().map(|t| if ((t / 0.3) as usize).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
         let positions: Vec<f64> = u
             .iter()
             .map(|u| {

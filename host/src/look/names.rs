@@ -213,6 +213,6 @@ mod tests {
         assert_eq!(best(Role::Time, &bench), "time_ms");
         assert_eq!(best(Role::Position, &bench), "encoderPos");
         assert_eq!(best(Role::Drive, &bench), "motorVoltage");
-        assert_eq!(words("motorVoltage_V [mV]"), ["motor", "voltage", "v", "mv"]);
+        assert_eq!(words("motorVoltage_V [pct]"), ["motor", "voltage", "v", "pct"]);
     }
 }

@@ -161,7 +161,10 @@ impl Clock {
                     Stamp::Number(number) => unit.seconds(number),
                     Stamp::Date(seconds) => seconds,
                 };
-                whole + of.map_or(Ok(0.0), part)?
+                match of {
+                    Some(index) => whole + part(*index)?,
+                    None => whole,
+                }
             }
             Self::Rate { fs_hz } => row as f64 / fs_hz,
             Self::Tick { tick_s } => row as f64 * tick_s,

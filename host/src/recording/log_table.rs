@@ -19,7 +19,7 @@ impl Table {
         wanted: &[Wanted<'_>],
     ) -> Result<Self, RecordingError> {
         options.check()?;
-        let Joined { times, columns, selected, seen, units, joined } = log.join(file, options, wanted)?;
+        let Joined { times, columns, selected, seen, units, clocks_of } = log.join(file, options, wanted)?;
         let mut header = Header::default();
         let named = wanted.iter().map(|wanted| wanted.name).zip(units);
         header.units.extend(named.filter_map(|(name, unit)| Some((name.to_owned(), unit?))));
@@ -73,7 +73,7 @@ impl Table {
             return Err(nothing(file, table.last_line, options, outside_s, seen));
         }
         table.found.extend(log.torn_at.map(|at_byte| Warning::EndsInRecord { at_byte }));
-        table.found.extend(joined.map(|(drive, position)| Warning::Joined { drive, position }));
+        table.found.extend(clocks_of.map(|(drive, position)| Warning::Joined { drive, position }));
         if without > 0 {
             table.found.push(Warning::NoValue { rows: without, share: without as f64 / selected.len() as f64 });
         }

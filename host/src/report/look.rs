@@ -17,6 +17,9 @@ const HIGH: usize = 4;
 /// The characters of a line, from low to high.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
+/// The bits of the dots of a character of Braille: left column from the top, then the right one.
+const DOTS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+
 /// The page of one file.
 pub fn page(look: &Look) -> String {
     let mut text = format!("{}: {}, {} channels\n\n", look.file, look.format, look.channels.len());
@@ -126,8 +129,6 @@ fn sparkline(values: &[f64]) -> String {
 /// A drawing in dots of Braille, two in a character side by side and four on top of each other, with its range.
 fn drawing(name: &str, values: &[f64]) -> String {
     let (columns, rows) = (2 * WIDE, 4 * HIGH);
-    // The bits of the dots of a character: left column from the top, then the right one.
-    const DOTS: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
     let mut cells = vec![vec![0_u8; WIDE]; HIGH];
     let heights: Vec<usize> =
         shares(values).map(|share| ((1.0 - share) * (rows - 1) as f64).round() as usize).collect();
@@ -195,9 +196,15 @@ pub fn command(look: &Look) -> Option<String> {
             flag(name, &value.to_string());
         }
     }
-    time_unit.iter().for_each(|unit| flag("--time-unit", &unit.to_string()));
-    wrap.iter().for_each(|wrap| flag("--wrap", &wrap.to_string()));
-    select.iter().for_each(|condition| flag("--where", &condition.to_string()));
+    if let Some(unit) = time_unit {
+        flag("--time-unit", &unit.to_string());
+    }
+    if let Some(wrap) = wrap {
+        flag("--wrap", &wrap.to_string());
+    }
+    for condition in select {
+        flag("--where", &condition.to_string());
+    }
     Some(words.join(" "))
 }
 

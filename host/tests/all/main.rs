@@ -10,6 +10,7 @@ mod fleet;
 mod identify_choice;
 mod identify_data;
 mod inputs;
+mod look;
 mod measured;
 mod messages;
 mod model;

@@ -1,6 +1,6 @@
 //! Messages put together to channels: each message is a row of its group, and names its values.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::Format;
@@ -25,7 +25,7 @@ struct Growing {
 #[derive(Debug, Default)]
 pub(super) struct Gather {
     groups: Vec<Growing>,
-    texts: HashMap<Rc<str>, ()>,
+    texts: HashSet<Rc<str>>,
     values: usize,
     channels: usize,
 }
@@ -62,21 +62,20 @@ impl Gather {
         if rows == 0 {
             return Ok(());
         }
-        let at = match growing.index.get(name) {
-            Some(at) => *at,
-            None => {
-                self.channels += 1;
-                if self.channels > MAX_CHANNELS {
-                    return Err(Fault::TooLarge { what: "channels", most: MAX_CHANNELS });
-                }
-                let values = match value {
-                    Value::Number(_) => Values::Numbers(Vec::new()),
-                    Value::Text(_) => Values::Texts(Vec::new()),
-                };
-                growing.group.channels.push(Channel { name: name.to_owned(), unit: None, values });
-                growing.index.insert(name.to_owned(), growing.group.channels.len() - 1);
-                growing.group.channels.len() - 1
+        let at = if let Some(at) = growing.index.get(name) {
+            *at
+        } else {
+            self.channels += 1;
+            if self.channels > MAX_CHANNELS {
+                return Err(Fault::TooLarge { what: "channels", most: MAX_CHANNELS });
             }
+            let values = match value {
+                Value::Number(_) => Values::Numbers(Vec::new()),
+                Value::Text(_) => Values::Texts(Vec::new()),
+            };
+            growing.group.channels.push(Channel { name: name.to_owned(), unit: None, values });
+            growing.index.insert(name.to_owned(), growing.group.channels.len() - 1);
+            growing.group.channels.len() - 1
         };
         let channel = &mut growing.group.channels[at];
         let before = channel.values.len();
@@ -86,10 +85,10 @@ impl Gather {
                 numbers.push(*number);
             }
             (Values::Texts(texts), Value::Text(text)) => {
-                let known = self.texts.get_key_value(*text).map(|(known, ())| Rc::clone(known));
+                let known = self.texts.get(*text).cloned();
                 let known = known.unwrap_or_else(|| {
                     let new: Rc<str> = Rc::from(*text);
-                    self.texts.insert(Rc::clone(&new), ());
+                    self.texts.insert(Rc::clone(&new));
                     new
                 });
                 texts.resize(rows - 1, Rc::from(""));

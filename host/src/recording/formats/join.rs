@@ -29,7 +29,7 @@ pub(in crate::recording) struct Joined {
     /// Units of the wanted channels, where the file says them.
     pub units: Vec<Option<String>>,
     /// The channel whose values were joined to another's rows, and that other.
-    pub joined: Option<(String, String)>,
+    pub clocks_of: Option<(String, String)>,
 }
 
 /// Where the rows' times come from.
@@ -95,7 +95,7 @@ impl Log {
                 return Err(LogError::Apart { file: file.to_owned(), drive: first, position: second }.into());
             }
             joined.columns.push(column);
-            joined.joined = Some((first, second));
+            joined.clocks_of = Some((first, second));
         }
         self.select(file, options, rows_of, &mut joined)?;
         Ok(joined)

@@ -120,16 +120,13 @@ impl Reader {
             "ros1" => definition().map(|types| Encoding::Ros(types, Form::Ros1)),
             _ => None,
         };
-        let topic = match encoding_of {
-            Some(encoding) => {
-                let group = self.gather.group(&name)?;
-                Some(Topic { group, encoding, failed: false, name })
-            }
-            None => {
-                let schema = schema.map_or("none", |(_, encoding, _)| encoding.as_str());
-                self.passed_over.push(format!("`{name}`: messages in `{encoding}` with a schema in `{schema}`"));
-                None
-            }
+        let topic = if let Some(encoding) = encoding_of {
+            let group = self.gather.group(&name)?;
+            Some(Topic { group, encoding, failed: false, name })
+        } else {
+            let schema = schema.map_or("none", |(_, encoding, _)| encoding.as_str());
+            self.passed_over.push(format!("`{name}`: messages in `{encoding}` with a schema in `{schema}`"));
+            None
         };
         self.topics.insert(id, topic);
         Ok(())
@@ -147,17 +144,13 @@ impl Reader {
             Encoding::Ros(types, form) => cdr::read(types, *form, message),
             Encoding::Json => json::read(message),
         };
-        match leaves {
-            Ok(leaves) => {
-                self.gather.row(topic.group, seconds(logged_ns))?;
-                leaves.set(&mut self.gather, topic.group)
-            }
-            Err(_) => {
-                topic.failed = true;
-                self.passed_over.push(format!("`{}`: a message that does not follow its definition", topic.name));
-                Ok(())
-            }
+        if let Ok(leaves) = leaves {
+            self.gather.row(topic.group, seconds(logged_ns))?;
+            return leaves.set(&mut self.gather, topic.group);
         }
+        topic.failed = true;
+        self.passed_over.push(format!("`{}`: a message that does not follow its definition", topic.name));
+        Ok(())
     }
 
     fn chunk(&mut self, content: &mut Bytes<'_>) -> Result<(), Fault> {

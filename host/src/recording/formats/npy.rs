@@ -56,7 +56,14 @@ pub(super) fn array(
         return Err(Fault::Damaged { at, what: "the header of an array is not understood" });
     };
     let rows = header.shape.iter().try_fold(1_usize, |product, side| product.checked_mul(*side));
-    let row_bytes: usize = header.fields.iter().map(|(_, kind, count)| kind.bytes() * count).sum();
+    let row_bytes = header
+        .fields
+        .iter()
+        .try_fold(0_usize, |sum, (_, kind, count)| sum.checked_add(kind.bytes().checked_mul(*count)?));
+    let Some(row_bytes) = row_bytes.filter(|bytes| *bytes > 0) else {
+        passed_over.push(format!("`{name}`: rows of no bytes, or of too many"));
+        return Ok(());
+    };
     let total = rows.and_then(|rows| rows.checked_mul(row_bytes)).filter(|total| *total <= MAX_BYTES);
     let (Some(rows), Some(total)) = (rows, total) else {
         return Err(Fault::TooLarge { what: "bytes in an array", most: MAX_BYTES });

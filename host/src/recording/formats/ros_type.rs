@@ -91,10 +91,7 @@ impl Types {
                 Some(name) => types.others.entry(name.clone()).or_default(),
                 None => &mut types.root,
             };
-            match field(line)? {
-                Some(field) => fields.push(field),
-                None => continue,
-            }
+            fields.extend(field(line)?);
         }
         Some(types)
     }
@@ -115,13 +112,13 @@ fn canonical(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// The field of a line; `Some(None)` where it is a constant.
-fn field(line: &str) -> Option<Option<Field>> {
+/// The field of a line, none where it is a constant; `None` where the line is not understood.
+fn field(line: &str) -> Option<Vec<Field>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim();
     let name = rest.split(|c: char| c.is_whitespace() || c == '=').next()?;
     if rest[name.len()..].trim_start().starts_with('=') {
-        return Some(None);
+        return Some(Vec::new());
     }
     let (kind, count) = match kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) {
         Some((kind, "")) => (kind, Count::Any),
@@ -132,7 +129,7 @@ fn field(line: &str) -> Option<Option<Field>> {
     // A text may have a longest length: `string<=10`.
     let kind = kind.split("<=").next()?;
     let kind = Plain::of(kind).map_or_else(|| Type::Message(kind.to_owned()), Type::Plain);
-    Some(Some(Field { name: name.to_owned(), kind, count }))
+    Some(vec![Field { name: name.to_owned(), kind, count }])
 }
 
 #[cfg(test)]

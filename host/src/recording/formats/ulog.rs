@@ -104,8 +104,8 @@ impl Reader {
 
     /// Takes a message that is logged. Of several instances the first has the plain name.
     fn subscribe(&mut self, instance: u8, id: u16, name: &str) -> Result<(), Fault> {
-        let mut fields = Vec::new();
-        let size = self.lay_out(name, "", 0, 0, &mut fields)?;
+        let (mut fields, mut left) = (Vec::new(), MAX_CHANNELS);
+        let size = self.lay_out(name, "", (0, 0), &mut left, &mut fields)?;
         let stamp = fields.iter().position(|field| field.name == STAMP).map(|at| fields.remove(at));
         let (Some(_), Some(stamp)) = (size, stamp) else {
             self.passed_over.push(format!("`{name}`: its format is missing or has no `{STAMP}`"));
@@ -117,13 +117,14 @@ impl Reader {
         Ok(())
     }
 
-    /// Lays out the fields of a format from byte `at` on. Returns the byte after it, `None` if a format is not there.
+    /// Lays out the fields of a format from a byte on, at a depth; `left` counts down what may still be gone through. Returns
+    /// the byte after it, `None` if a format is not there.
     fn lay_out(
         &self,
         name: &str,
         path: &str,
-        mut at: usize,
-        depth: usize,
+        (mut at, depth): (usize, usize),
+        left: &mut usize,
         out: &mut Vec<Field>,
     ) -> Result<Option<usize>, Fault> {
         let Some(format) = self.formats.get(name).filter(|_| depth <= MAX_DEPTH) else { return Ok(None) };
@@ -133,9 +134,9 @@ impl Reader {
                 None => (kind.as_str(), None),
             };
             for element in 0..count.unwrap_or(1) {
-                if out.len() > MAX_CHANNELS {
-                    return Err(Fault::TooLarge { what: "fields in a message", most: MAX_CHANNELS });
-                }
+                // A format may name itself many times over.
+                *left =
+                    left.checked_sub(1).ok_or(Fault::TooLarge { what: "fields in a message", most: MAX_CHANNELS })?;
                 let element = count.map_or_else(String::new, |_| format!("[{element}]"));
                 let full = format!("{path}{field}{element}");
                 match (plain(kind), kind) {
@@ -147,7 +148,7 @@ impl Reader {
                     }
                     (None, "char") => at += 1,
                     (None, other) => {
-                        let Some(end) = self.lay_out(other, &format!("{full}."), at, depth + 1, out)? else {
+                        let Some(end) = self.lay_out(other, &format!("{full}."), (at, depth + 1), left, out)? else {
                             return Ok(None);
                         };
                         // An empty format could be announced any number of times.
