@@ -1,7 +1,7 @@
 //! `cargo xtask logs-test`: a measured recording, written in every format by the format's own package, gives the same model.
 //!
-//! The packages write by tests/logs/write_logs.py; the recording is the first seconds of EMPS (`../shared/data` beside the
-//! project, or `BREAKAWAY_DATA`) and is copied to the target folder, not into the project.
+//! The packages write by tests/logs/write_logs.py. The recording is the first seconds of EMPS, from `../shared/data` beside
+//! the project, or from `BREAKAWAY_DATA`. It is copied to the target folder, not into the project.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -122,11 +122,7 @@ fn listed(numbers: &BTreeMap<String, f64>) -> String {
 
 /// The real ULog: all channels that pyulog lists are listed, and the numbers of one are the same.
 fn ulog(python: &Path, breakaway: &Path, log: &Path) -> Result<()> {
-    let script = "import json, sys\nfrom pyulog import ULog\nlog = ULog(sys.argv[1])\nout = {}\n\
-                  for data in log.data_list:\n    name = data.name + (f'.{data.multi_id}' if data.multi_id else '')\n    \
-                  for field, values in data.data.items():\n        if field != 'timestamp':\n            \
-                  out[f'{name}/{field}'] = [len(values), float(min(values)), float(max(values))]\nprint(json.dumps(out))";
-    let peer = json(Command::new(python).args(["-c", script]).arg(log))?;
+    let peer = json(Command::new(python).arg(root().join("tests/logs/read_ulog.py")).arg(log))?;
     let looked = json(Command::new(breakaway).arg("look").arg(log).arg("--json"))?;
     let channels = looked["files"][0]["channels"].as_array().context("no channels")?;
     let own: BTreeMap<&str, &Value> = channels.iter().filter_map(|c| Some((c["name"].as_str()?, c))).collect();

@@ -101,8 +101,8 @@ enum Task {
         #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
         noise: u32,
     },
-    /// Write a recording in every format of a log by the format's own package, read each, and compare what `identify`
-    /// says; needs Python, PyPI and the recordings
+    /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
+    /// writes; needs Python, PyPI and the recordings, and is no part of `test`
     LogsTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,

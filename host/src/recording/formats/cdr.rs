@@ -1,5 +1,5 @@
-//! Messages of ROS: CDR as ROS 2 writes it (a header of four bytes, then numbers at multiples of their size), and the plain
-//! bytes of ROS 1.
+//! Messages of ROS: CDR as ROS 2 writes it, and the plain bytes of ROS 1. CDR has a header of four bytes, and then numbers
+//! at multiples of their size.
 
 use super::bytes::Bytes;
 use super::fault::Fault;

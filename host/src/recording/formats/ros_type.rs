@@ -71,8 +71,8 @@ pub(super) struct Types {
 }
 
 impl Types {
-    /// Reads a definition as `rosbag2` and `rosbag` write it: the message's own fields, then the other types, each below a
-    /// line of `=` and a line `MSG: package/Type`. `None` if a line is not understood.
+    /// Reads a definition as `rosbag2` and `rosbag` write it. The message's own fields come first, then the other types. Each
+    /// of these has a line of `=` above it, and a line `MSG: package/Type`. `None` if a line is not understood.
     pub(super) fn read(text: &str) -> Option<Self> {
         let mut types = Self::default();
         let mut name: Option<String> = None;
