@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import scipy.io
 from mcap.writer import CompressionType, Writer
+from mcap_protobuf.writer import Writer as ProtobufWriter
 from mcap_ros2.writer import Writer as Ros2Writer
 
 JOINT_STATE = """\
@@ -141,6 +142,35 @@ def mcap_json(path, t, u, x):
         writer.finish()
 
 
+def protobuf_class():
+    """A message with a stamp, and a drive and a position as its axis' fields, without a compiler of protobuf."""
+    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory, timestamp_pb2
+
+    file = descriptor_pb2.FileDescriptorProto(name="bench.proto", package="bench", syntax="proto3")
+    file.dependency.append("google/protobuf/timestamp.proto")
+    axis = file.message_type.add(name="Axis")
+    axis.field.add(name="voltage", number=1, type=1, label=1)
+    axis.field.add(name="position", number=2, type=1, label=1)
+    state = file.message_type.add(name="State")
+    state.field.add(name="stamp", number=1, type=11, label=1, type_name=".google.protobuf.Timestamp")
+    state.field.add(name="axis", number=2, type=11, label=1, type_name=".bench.Axis")
+    state.field.add(name="currents", number=3, type=2, label=3)
+    pool = descriptor_pool.DescriptorPool()
+    pool.AddSerializedFile(timestamp_pb2.DESCRIPTOR.serialized_pb)
+    pool.Add(file)
+    return message_factory.GetMessageClass(pool.FindMessageTypeByName("bench.State"))
+
+
+def mcap_protobuf(path, t, u, x):
+    kind = protobuf_class()
+    with open(path, "wb") as file, ProtobufWriter(file) as writer:
+        for k, ns in enumerate(int(ns) for ns in nanoseconds(t)):
+            message = kind(currents=[1.0, 2.0])
+            message.stamp.seconds, message.stamp.nanos = divmod(ns, 10**9)
+            message.axis.voltage, message.axis.position = float(u[k]), float(x[k])
+            writer.write_message("/state", message, log_time=ns, publish_time=ns)
+
+
 def ulog(folder, t, u, x):
     """pyulog only reads; this is the format's description, and pyulog reads it back."""
 
@@ -187,6 +217,7 @@ def main():
     mcap_cdr(folder / "zstd.mcap", t, u, x, CompressionType.ZSTD)
     mcap_cdr(folder / "lz4.mcap", t, u, x, CompressionType.LZ4)
     mcap_json(folder / "json.mcap", t, u, x)
+    mcap_protobuf(folder / "protobuf.mcap", t, u, x)
     ulog(folder, t, u, x)
     csv_files(folder, t, u, x)
 

@@ -20,7 +20,7 @@ use crate::run::{cargo, root, run};
 const ROWS: usize = 8000;
 /// The logs with the flags that name their columns, and how far a parameter may be off, in itself. Where the stamps are those of
 /// the CSV file, nothing differs. Stamps in µs or since 1970 are rounded by up to 0.5 µs of 1 ms.
-const LOGS: [(&str, &str, f64); 17] = [
+const LOGS: [(&str, &str, f64); 18] = [
     ("plain.npz", "", 0.0),
     ("packed.npz", "", 0.0),
     ("records.npy", "--time array.t --input array.u --position array.x", 0.0),
@@ -33,6 +33,7 @@ const LOGS: [(&str, &str, f64); 17] = [
     ("zstd.mcap", "--time header/stamp --input axis/effort --position axis/position", 1e-6),
     ("lz4.mcap", "--time header/stamp --input axis/effort --position axis/position", 1e-6),
     ("json.mcap", "--input /drive/voltage --position /encoder/position", 1e-6),
+    ("protobuf.mcap", "--input axis/voltage --position axis/position", 1e-6),
     ("motor.ulg", "--input motor/u --position motor/x", 1e-4),
     ("split.csv", "--input effort[0] --position position[1]", 1e-6),
     ("comma.csv", "--time Zeit_ms", 1e-6),

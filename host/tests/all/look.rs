@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::support::{breakaway, json, keys, text};
 
 /// What a log's columns are called: its file, time, drive, position.
-const LOGS: [(&str, Option<&str>, &str, &str); 15] = [
+const LOGS: [(&str, Option<&str>, &str, &str); 16] = [
     ("plain.npz", None, "u", "x"),
     ("packed.npz", None, "u", "x"),
     ("records.npy", Some("array.t"), "array.u", "array.x"),
@@ -25,6 +25,7 @@ const LOGS: [(&str, Option<&str>, &str, &str); 15] = [
     ("zstd.mcap", Some("header/stamp"), "axis/effort", "axis/position"),
     ("lz4.mcap", Some("header/stamp"), "axis/effort", "axis/position"),
     ("json.mcap", None, "/drive/voltage", "/encoder/position"),
+    ("protobuf.mcap", None, "axis/voltage", "axis/position"),
     ("motor.ulg", None, "motor/u", "motor/x"),
     ("split.csv", None, "effort[0]", "position[1]"),
     ("comma.csv", Some("Zeit_ms"), "u", "x"),

@@ -1,11 +1,12 @@
 //! MCAP: schemas, channels and messages, in chunks that may be packed by lz4 or zstd.
 //!
-//! Read here are messages in CDR and of ROS 1 with their definitions, and in JSON. The crate `mcap` is not used: it unpacks by
+//! Read here are messages in CDR, of ROS 1 and in protobuf with their definitions, and in JSON. The crate `mcap` is not used: it unpacks by
 //! C libraries, and only records are needed here.
 
 use std::collections::HashMap;
 use std::io::Read;
 
+use prost_reflect::MessageDescriptor;
 use ruzstd::decoding::StreamingDecoder;
 
 use super::bytes::Bytes;
@@ -15,7 +16,7 @@ use super::gather::Gather;
 use super::leaf::Leaves;
 use super::log::Log;
 use super::ros_type::Types;
-use super::{Format, cdr, json};
+use super::{Format, cdr, json, protobuf};
 
 /// Bytes before the first record.
 const MAGIC: usize = 8;
@@ -27,6 +28,7 @@ const MAX_CHUNK: usize = 1 << 28;
 enum Encoding {
     Ros(Types, Form),
     Json,
+    Protobuf(MessageDescriptor),
 }
 
 /// A channel that is read.
@@ -116,6 +118,10 @@ impl Reader {
         };
         let encoding_of = match encoding.as_str() {
             "json" => Some(Encoding::Json),
+            "protobuf" => schema
+                .filter(|(_, encoding, _)| encoding == "protobuf")
+                .and_then(|(name, _, set)| protobuf::definition(set, name))
+                .map(Encoding::Protobuf),
             "cdr" => definition().map(|types| Encoding::Ros(types, Form::Cdr)),
             "ros1" => definition().map(|types| Encoding::Ros(types, Form::Ros1)),
             _ => None,
@@ -143,6 +149,7 @@ impl Reader {
         let leaves: Result<Leaves, Fault> = match &topic.encoding {
             Encoding::Ros(types, form) => cdr::read(types, *form, message),
             Encoding::Json => json::read(message),
+            Encoding::Protobuf(definition) => protobuf::read(definition, message),
         };
         if let Ok(leaves) = leaves {
             self.gather.row(topic.group, seconds(logged_ns))?;

@@ -17,6 +17,7 @@ mod mcap;
 mod npy;
 mod npz;
 mod parquet;
+mod protobuf;
 mod ros_type;
 mod text;
 mod ulog;
