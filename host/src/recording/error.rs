@@ -1,11 +1,13 @@
 //! What can be wrong with a recording: one variant and one message each, with file, line, column and what to do.
 
 mod clock;
+mod list;
 mod log;
 mod place;
 mod session;
 
 pub use clock::ClockError;
+pub use list::ListError;
 pub use log::LogError;
 pub use place::Place;
 pub use session::SessionError;
@@ -154,24 +156,9 @@ pub enum RecordingError {
         /// The field.
         text: String,
     },
-    /// A list where one number is wanted.
-    #[error("{place}: `{text}` is a list; give one of its elements, `{}[0]` is the first", place.column)]
-    List {
-        /// Where.
-        place: Place,
-        /// The field.
-        text: String,
-    },
-    /// A list without the element that is wanted.
-    #[error("{place}: element {element} is wanted of a list of {found}, counted from 0")]
-    NoElement {
-        /// Where.
-        place: Place,
-        /// The element.
-        element: usize,
-        /// Elements found.
-        found: usize,
-    },
+    /// What is wrong with a list in a field.
+    #[error(transparent)]
+    List(#[from] ListError),
     /// A number that goes on over lines.
     #[error("{place}: the field goes on past the end of its line; is a quote opened and not closed?")]
     OpenQuote {

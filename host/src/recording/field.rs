@@ -1,6 +1,6 @@
 //! One field of a row: text to number.
 
-use super::error::{Place, RecordingError};
+use super::error::{ListError, Place, RecordingError};
 
 /// Most characters of a wrong field that a message repeats.
 const SHOWN: usize = 40;
@@ -30,7 +30,7 @@ pub(super) fn number(bytes: &[u8], decimal_comma: bool, place: impl FnOnce() -> 
         Ok(number) if number.is_finite() => Ok(number),
         Ok(_) => Err(RecordingError::NotFinite { place: place(), text: shown(text) }),
         Err(_) if text.is_empty() => Err(RecordingError::EmptyField { place: place() }),
-        Err(_) if text.starts_with(['[', '(']) => Err(RecordingError::List { place: place(), text: shown(text) }),
+        Err(_) if text.starts_with(['[', '(']) => Err(ListError::Whole { place: place(), text: shown(text) }.into()),
         Err(_) if text.contains('\n') => Err(RecordingError::OpenQuote { place: place() }),
         Err(_) => Err(RecordingError::NotANumber { place: place(), text: shown(text) }),
     }

@@ -35,7 +35,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub use clock::TimeUnit;
-pub use error::{ClockError, LogError, Place, RecordingError, SessionError};
+pub use error::{ClockError, ListError, LogError, Place, RecordingError, SessionError};
 pub use formats::Format;
 pub use held::Held;
 pub use limits::{MAX_COLUMNS, MAX_ROW_BYTES, MAX_ROWS};

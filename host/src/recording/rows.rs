@@ -6,7 +6,7 @@ use std::rc::Rc;
 use csv::ByteRecord;
 
 use super::clock::{Clock, Stamp};
-use super::error::{ClockError, Place, RecordingError};
+use super::error::{ClockError, ListError, Place, RecordingError};
 use super::limits::{MAX_COLUMNS, Meter};
 use super::options::Selection;
 use super::{field, formats};
@@ -203,10 +203,8 @@ impl RowReader<'_> {
             let (text, index) = (field(cell.index)?, cell.index);
             match cell.element {
                 Some(element) => {
-                    let items = formats::cell_of_list(text, element);
-                    let (item, found) =
-                        items.map_err(|found| RecordingError::NoElement { place: place(index), element, found })?;
-                    debug_assert!(element < found);
+                    let item = formats::cell_of_list(text, element);
+                    let item = item.map_err(|found| ListError::NoElement { place: place(index), element, found })?;
                     field::number(item, self.decimal_comma, || place(index))
                 }
                 None => field::number(text, self.decimal_comma, || place(index)),

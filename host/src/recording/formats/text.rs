@@ -1,13 +1,13 @@
 //! Fields of text files that are no plain numbers: lists, dates, times of day.
 
 /// Element `element`, from 0, of the list in a field, as in `[0.1, 0.2]`, `(0.1, 0.2)`, `[0.1 0.2]` and
-/// `array('d', [0.1, 0.2])`; and how many there are.
+/// `array('d', [0.1, 0.2])`.
 ///
 /// # Errors
 /// How many elements there are, if that is too few.
-pub(in crate::recording) fn cell_of_list(field: &[u8], element: usize) -> Result<(&[u8], usize), usize> {
+pub(in crate::recording) fn cell_of_list(field: &[u8], element: usize) -> Result<&[u8], usize> {
     let items = items(field);
-    items.get(element).map(|item| (*item, items.len())).ok_or(items.len())
+    items.get(element).copied().ok_or(items.len())
 }
 
 /// The elements of the list in a field; the field itself if it is no list.
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn lists_have_elements_however_they_are_written() {
         for list in ["[0.1, 0.2]", "(0.1,0.2)", "[0.1 0.2]", "array('d', [0.1, 0.2])", " [ 0.1 , 0.2 ] "] {
-            assert_eq!(cell_of_list(list.as_bytes(), 1), Ok((b"0.2".as_slice(), 2)), "{list}");
+            assert_eq!(cell_of_list(list.as_bytes(), 1), Ok(b"0.2".as_slice()), "{list}");
             assert_eq!(cell_of_list(list.as_bytes(), 2), Err(2), "{list}");
         }
         assert_eq!(cell_of_list(b"[]", 0), Err(0));
