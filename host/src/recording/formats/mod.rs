@@ -8,6 +8,7 @@ mod cdr;
 mod csv;
 mod fault;
 mod gather;
+mod guard;
 mod join;
 mod json;
 mod leaf;

@@ -1,6 +1,5 @@
 //! Apache Parquet: flat columns of numbers and texts. Columns of lists and structures are passed over.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 
 use bytes::Bytes;
@@ -13,6 +12,7 @@ use parquet::schema::types::ColumnDescriptor;
 
 use super::Format;
 use super::fault::Fault;
+use super::guard::guarded;
 use super::log::{Channel, Log, MAX_CHANNELS, MAX_VALUES, Values};
 
 /// Rows that are read at once.
@@ -21,10 +21,8 @@ const BATCH: usize = 1 << 14;
 /// Reads the file's columns.
 pub(super) fn read(bytes: &[u8]) -> Result<Log, Fault> {
     let bytes = Bytes::copy_from_slice(bytes);
-    // The crate promises no panic, but not for pages that somebody damaged on purpose.
-    let read = catch_unwind(AssertUnwindSafe(|| columns(bytes)));
     let damaged = Fault::Damaged { at: 0, what: "a page does not follow the format" };
-    let (channels, passed_over) = read.unwrap_or(Err(damaged))?;
+    let (channels, passed_over) = guarded(|| columns(bytes)).unwrap_or(Err(damaged))?;
     let mut log = Log::of_arrays(Format::Parquet, channels)?;
     log.passed_over = passed_over;
     Ok(log)

@@ -3,6 +3,7 @@
 use prost_reflect::{DescriptorPool, DynamicMessage, Kind, MessageDescriptor, ReflectMessage, Value};
 
 use super::fault::Fault;
+use super::guard::guarded;
 use super::leaf::{Leaf, Leaves, MAX_ELEMENTS};
 
 /// Most values of one message, and deepest message within a message.
@@ -11,13 +12,14 @@ const MAX_DEPTH: usize = 16;
 
 /// The definition of the message `name` in a set of definitions.
 pub(super) fn definition(set: &[u8], name: &str) -> Option<MessageDescriptor> {
-    DescriptorPool::decode(set).ok()?.get_message_by_name(name)
+    // Version 0.16.5 of the crate panics while it words the error of a definition that is there twice.
+    guarded(|| DescriptorPool::decode(set).ok()?.get_message_by_name(name)).flatten()
 }
 
 /// Reads a message.
 pub(super) fn read(definition: &MessageDescriptor, message: &[u8]) -> Result<Leaves, Fault> {
-    let damaged = |_| Fault::Damaged { at: 0, what: "a message does not follow its definition" };
-    let message = DynamicMessage::decode(definition.clone(), message).map_err(damaged)?;
+    let refused = Fault::Damaged { at: 0, what: "a message does not follow its definition" };
+    let message = guarded(|| DynamicMessage::decode(definition.clone(), message).ok()).flatten().ok_or(refused)?;
     let mut leaves = Leaves::default();
     add(&message, "", 0, &mut leaves);
     Ok(leaves)
