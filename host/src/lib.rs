@@ -11,6 +11,7 @@ pub mod fit;
 pub mod fleet;
 pub mod identify;
 pub mod interrupt;
+pub mod look;
 pub mod mistaken;
 pub mod model;
 pub mod models;

@@ -56,7 +56,7 @@ impl Content {
             (Self::Recording, Self::Model | Self::Experiment | Self::Controller | Self::Toml) => {
                 "check the order of the arguments: a model is given by --model"
             }
-            (Self::Recording, _) => "give the log as CSV",
+            (Self::Recording, _) => "give the log as CSV, MCAP, WPILOG, ULog, npz, MAT or Parquet",
             (Self::Model, Self::Controller) => "give the model it was tuned from, or by --controller the controller",
             (Self::Controller, _) => "`breakaway tune MODEL.toml -o FILE` writes a controller",
             (Self::Experiment, _) => "docs/formats.md has examples",

@@ -32,6 +32,7 @@ const CRATES: [Order; 3] = [
             "mistaken",
             "file",
             "recording",
+            "look",
             "model",
             "export",
             "sine",

@@ -1,5 +1,6 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`.
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`,
+//! `logs-test`.
 
 mod arrows;
 mod bench;
@@ -12,6 +13,7 @@ mod export;
 mod fleet;
 mod fuzz;
 mod image;
+mod logs;
 mod loops;
 mod miri;
 mod qemu;
@@ -52,7 +54,7 @@ enum Task {
     },
     /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
-        /// Inputs: recording, model, controller, experiment, frame, command, flash; all of them where none is named
+        /// Inputs: recording, log, model, controller, experiment, frame, command, flash; all of them where none is named
         targets: Vec<String>,
         /// Processor time for each, s
         #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
@@ -102,6 +104,9 @@ enum Task {
     },
     /// Run and read exported models with MuJoCo and parsers from PyPI; needs Python
     ExportTest,
+    /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
+    /// writes; needs Python, PyPI and the recordings, and is no part of `test`
+    LogsTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -127,6 +132,7 @@ fn main() -> ExitCode {
         Task::Loops => cross::install().and_then(loops::all),
         Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
+        Task::LogsTest => logs::test(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -12,6 +12,7 @@ pub mod effects;
 pub mod export;
 pub mod failure;
 pub mod identify;
+pub mod look;
 pub mod man;
 pub mod models;
 pub mod monitor;
@@ -71,6 +72,8 @@ pub enum CliCommand {
     Simulate(simulate::Args),
     /// Find where simulation and recordings disagree, name the missing effect, add it to the model
     Discover(discover::Args),
+    /// List what is in a log, guess time, drive and position, say what is wrong, print the command to identify
+    Look(look::Args),
     /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
     Identify(identify::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
@@ -132,6 +135,7 @@ pub fn run(cli: Cli) -> ExitCode {
         CliCommand::Run(args) => args.run(output),
         CliCommand::Simulate(args) => args.run(output),
         CliCommand::Discover(args) => args.run(output),
+        CliCommand::Look(args) => args.run(output),
         CliCommand::Identify(args) => args.run(output),
         CliCommand::Effects(args) => args.run(output),
         CliCommand::Export(args) => args.run(output),

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use super::output::SCHEMA_VERSION;
 use super::virtual_board;
 use super::{
-    capture, completions, demo, discover, effects, export, failure, identify, man, models, run, simulate, sinefit,
-    track, tune,
+    capture, completions, demo, discover, effects, export, failure, identify, look, man, models, run, simulate,
+    sinefit, track, tune,
 };
 use crate::report;
 use crate::report::remark::RemarkJson;
@@ -27,6 +27,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("error", of::<failure::Document<'_>>()),
         ("export", of::<export::Document<'_>>()),
         ("identify", of::<identify::Document>()),
+        ("look", of::<look::Document<'_>>()),
         ("man", of::<man::Document>()),
         ("models-add", of::<models::add::Document>()),
         ("models-compare", of::<models::Compared<'_>>()),

@@ -60,7 +60,7 @@ impl TimeUnit {
     }
 
     /// `value` of this unit in s. Divisions, so that 3 ms are the number that is written 0.003.
-    fn seconds(self, value: f64) -> f64 {
+    pub(crate) fn seconds(self, value: f64) -> f64 {
         match self {
             Self::Hours => value * 3600.0,
             Self::Minutes => value * 60.0,
@@ -73,7 +73,7 @@ impl TimeUnit {
 
     /// The unit that a column's name ends in: in brackets, `t (us)`, `time [ms]`; after a separator, `t_ns`, `time-s`; or
     /// with a capital, `TimeMs`. A name that is a unit, `millis`, counts too.
-    fn of_name(name: &str) -> Option<Self> {
+    pub(crate) fn of_name(name: &str) -> Option<Self> {
         let name = name.trim();
         let bracketed = |open, close| name.strip_suffix(close).and_then(|rest: &str| rest.rsplit_once(open));
         if let Some((_, unit)) = bracketed('(', ')').or_else(|| bracketed('[', ']')) {
@@ -111,6 +111,8 @@ pub(super) enum Clock {
     Column {
         /// Its index.
         index: usize,
+        /// The column with the nanoseconds of its seconds, where the stamp is split.
+        part: Option<usize>,
         /// Its name, for messages.
         name: String,
         /// Its unit.
@@ -129,20 +131,55 @@ impl Clock {
     pub(super) fn column(index: usize, name: &str, wanted: Option<TimeUnit>, header: &Header) -> Self {
         let stated = wanted.or_else(|| header.units.get(name)?.parse().ok());
         let unit = stated.or_else(|| TimeUnit::of_name(name)).unwrap_or(TimeUnit::Seconds);
-        Self::Column { index, name: super::field::shown(name), unit, stated: stated.is_some() }
+        Self::Column { index, part: None, name: super::field::shown(name), unit, stated: stated.is_some() }
     }
 
-    /// Time of a row in s: of its number in the file, from 0, or of what stands in the time column.
+    /// The columns `index` and `part`, seconds and nanoseconds, as a clock.
+    pub(super) fn split(index: usize, part: usize, name: &str) -> Self {
+        let (unit, stated) = (TimeUnit::Seconds, true);
+        Self::Column { index, part: Some(part), name: super::field::shown(name), unit, stated }
+    }
+
+    /// The stamps of a log, s, as a clock; `name` is what they are called.
+    pub(super) fn stamps(name: &str) -> Self {
+        Self::Column { index: 0, part: None, name: super::field::shown(name), unit: TimeUnit::Seconds, stated: true }
+    }
+
+    /// Time of a row in s: of its number in the file, from 0, or of what stands in the time column. `part` gives the part
+    /// of a second in a column.
     ///
     /// # Errors
-    /// What `column` says.
-    pub(super) fn time_s<E>(&self, row: usize, column: impl FnOnce(usize) -> Result<f64, E>) -> Result<f64, E> {
+    /// What `stamp` and `part` say.
+    pub(super) fn time_s<E>(
+        &self,
+        row: usize,
+        stamp: impl FnOnce(usize) -> Result<Stamp, E>,
+        part: impl FnOnce(usize) -> Result<f64, E>,
+    ) -> Result<f64, E> {
         Ok(match self {
-            Self::Column { index, unit, .. } => unit.seconds(column(*index)?),
+            Self::Column { index, part: of, unit, .. } => {
+                let whole = match stamp(*index)? {
+                    Stamp::Number(number) => unit.seconds(number),
+                    Stamp::Date(seconds) => seconds,
+                };
+                match of {
+                    Some(index) => whole + part(*index)?,
+                    None => whole,
+                }
+            }
             Self::Rate { fs_hz } => row as f64 / fs_hz,
             Self::Tick { tick_s } => row as f64 * tick_s,
         })
     }
+}
+
+/// What stands in a time column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stamp {
+    /// A number of the column's unit.
+    Number(f64),
+    /// A date or a time of day, s since 1970 or midnight.
+    Date(f64),
 }
 
 impl Table {

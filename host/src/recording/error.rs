@@ -1,10 +1,14 @@
 //! What can be wrong with a recording: one variant and one message each, with file, line, column and what to do.
 
 mod clock;
+mod list;
+mod log;
 mod place;
 mod session;
 
 pub use clock::ClockError;
+pub use list::ListError;
+pub use log::LogError;
 pub use place::Place;
 pub use session::SessionError;
 
@@ -28,6 +32,9 @@ pub enum RecordingError {
     /// What is wrong with a session of recordings.
     #[error(transparent)]
     Session(#[from] SessionError),
+    /// What is wrong with a log in another format than CSV.
+    #[error(transparent)]
+    Log(#[from] LogError),
     /// The file could not be read or written, or is of another kind.
     #[error(transparent)]
     File(#[from] FileError),
@@ -150,6 +157,9 @@ pub enum RecordingError {
         /// The field.
         text: String,
     },
+    /// What is wrong with a list in a field.
+    #[error(transparent)]
+    List(#[from] ListError),
     /// A number that goes on over lines.
     #[error("{place}: the field goes on past the end of its line; is a quote opened and not closed?")]
     OpenQuote {

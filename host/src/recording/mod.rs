@@ -1,16 +1,19 @@
 //! Recordings: time, applied drive and measured position.
 //!
 //! A file is CSV: `# key: value` lines (tick, units, encoder step, gaps, and provenance), a header row, and a row per sample.
+//! Logs in other formats are known by their first bytes ([`formats`]).
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
 mod angle;
 mod clock;
 mod error;
 mod field;
+pub mod formats;
 mod header;
 mod held;
 mod limits;
 mod lines;
+mod log_table;
 mod mend;
 mod options;
 mod outliers;
@@ -32,7 +35,8 @@ use std::io::Read;
 use std::path::Path;
 
 pub use clock::TimeUnit;
-pub use error::{ClockError, Place, RecordingError, SessionError};
+pub use error::{ClockError, ListError, LogError, Place, RecordingError, SessionError};
+pub use formats::Format;
 pub use held::Held;
 pub use limits::{MAX_COLUMNS, MAX_ROW_BYTES, MAX_ROWS};
 pub use lines::Lines;
@@ -105,12 +109,18 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`], with file, line, column and what to do.
     pub fn read_from(file: &str, input: impl Read, options: &ReadOptions) -> Result<Self, RecordingError> {
-        let mut wanted = vec![
-            Wanted { name: options.input_column(), flag: "--input" },
-            Wanted { name: options.position_column(), flag: "--position" },
-        ];
-        wanted.extend(options.current.as_deref().map(|name| Wanted { name, flag: "--current" }));
-        let mut table = Table::read(file, input, options, &wanted)?;
+        Self::of_table(file, Table::read(file, input, options, &wanted(options))?, options)
+    }
+
+    /// Takes a recording from a log whose channels were read already; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`RecordingError`], as of [`Recording::read_from`].
+    pub fn from_log(file: &str, log: &formats::Log, options: &ReadOptions) -> Result<Self, RecordingError> {
+        Self::of_table(file, Table::of_log(file, log, options, &wanted(options))?, options)
+    }
+
+    fn of_table(file: &str, mut table: Table, options: &ReadOptions) -> Result<Self, RecordingError> {
         table.check(file)?;
         let unknown = Units::default();
         let unit_of = |name| units::of_column(name, &table.header).map(|unit| field::shown(&unit));
@@ -157,6 +167,14 @@ impl Recording {
     pub fn radians_per_unit(&self) -> Option<f64> {
         self.units.radians(self.counts_per_turn)
     }
+}
+
+/// The columns of a recording: drive, position, and the current where it is named.
+fn wanted(options: &ReadOptions) -> Vec<Wanted<'_>> {
+    let drive = Wanted { name: options.input_column(), flag: "--input" };
+    let position = Wanted { name: options.position_column(), flag: "--position" };
+    let current = options.current.as_deref().map(|name| Wanted { name, flag: "--current" });
+    [Some(drive), Some(position), current].into_iter().flatten().collect()
 }
 
 /// The name of a recording: its file's, without folder and endings.

@@ -5,15 +5,19 @@ use std::rc::Rc;
 
 use csv::ByteRecord;
 
-use super::clock::Clock;
-use super::error::{Place, RecordingError};
-use super::field;
+use super::clock::{Clock, Stamp};
+use super::error::{ClockError, ListError, Place, RecordingError};
 use super::limits::{MAX_COLUMNS, Meter};
 use super::options::Selection;
+use super::{field, formats};
 use crate::nearest::nearest;
 
 /// Columns that a message lists.
 const LISTED: usize = 24;
+/// How the columns of a stamp end that is split in seconds and nanoseconds, as ROS and its tools write it.
+const SPLIT: [(&str, &str); 3] = [("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")];
+/// Nanoseconds of a second.
+const NANOSECONDS: f64 = 1e9;
 /// Values of a `--where` column that a message lists.
 const SEEN_VALUES: usize = 5;
 
@@ -61,6 +65,31 @@ impl<'a> Names<'a> {
 }
 
 impl Names<'_> {
+    /// The cell of a wanted column: `position`, or `position[1]` where the fields of `position` are lists.
+    pub(super) fn cell(&self, wanted: &str, flag: &'static str) -> Result<Cell, RecordingError> {
+        self.index(wanted, flag).map(|index| Cell { index, element: None }).or_else(|error| {
+            let listed = wanted.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
+            let element = listed.and_then(|(name, element)| Some((name, element.trim().parse().ok()?)));
+            let Some((name, element)) = element else { return Err(error) };
+            self.index(name, flag).map(|index| Cell { index, element: Some(element) }).map_err(|_| error)
+        })
+    }
+
+    /// Seconds and nanoseconds in two columns: those of the prefix of `seconds` if given, else the first such pair.
+    pub(super) fn split_stamp(&self, seconds: Option<&str>) -> Option<(usize, usize)> {
+        let at = |name: &str| self.columns.iter().position(|column| column == name);
+        let partner = |index: usize| {
+            let name = &self.columns[index];
+            let split = SPLIT.iter().find_map(|(whole, part)| Some((name.strip_suffix(whole)?, part)));
+            let (prefix, part) = split.filter(|(prefix, _)| !prefix.ends_with(char::is_alphanumeric))?;
+            Some((index, at(&format!("{prefix}{part}"))?))
+        };
+        match seconds {
+            Some(name) => at(name).and_then(partner),
+            None => (0..self.columns.len()).find_map(partner),
+        }
+    }
+
     /// The columns for a message.
     fn listed(&self) -> Vec<String> {
         let mut listed: Vec<String> = self.columns.iter().take(LISTED).map(|name| field::shown(name)).collect();
@@ -69,6 +98,13 @@ impl Names<'_> {
         }
         listed
     }
+}
+
+/// Where a number stands in a row: a field, or an element of the list in a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Cell {
+    pub index: usize,
+    pub element: Option<usize>,
 }
 
 /// The rows of a file.
@@ -117,9 +153,11 @@ impl<R: Read> Rows<'_, R> {
 pub(super) struct RowReader<'a> {
     pub names: &'a Names<'a>,
     pub clock: Clock,
-    pub indices: Vec<usize>,
+    pub cells: Vec<Cell>,
     /// A column after these that a row may lack: it is then not a number.
     pub optional: Option<usize>,
+    /// Whether numbers have a decimal comma where they have no point: the delimiter is none.
+    pub decimal_comma: bool,
     pub selection: Vec<(usize, &'a Selection)>,
     /// Values of `--where` columns, for the message when none matches.
     pub seen: Vec<String>,
@@ -127,7 +165,7 @@ pub(super) struct RowReader<'a> {
     pub window_s: Option<(f64, f64)>,
     /// Earliest and latest time of the rows that lie outside of that window, s.
     pub outside_s: Option<(f64, f64)>,
-    /// The numbers of the last row, in the order of `indices`.
+    /// The numbers of the last row, in the order of `cells`.
     pub values: Vec<f64>,
 }
 
@@ -163,8 +201,32 @@ impl RowReader<'_> {
         if !selected {
             return Ok(None);
         }
-        let number_in = |index: usize| field::number(field(index)?, || place(index));
-        let t = self.clock.time_s(number, number_in)?;
+        let number_in = |cell: Cell| {
+            let (text, index) = (field(cell.index)?, cell.index);
+            match cell.element {
+                Some(element) => {
+                    let item = formats::cell_of_list(text, element);
+                    let item = item.map_err(|found| ListError::NoElement { place: place(index), element, found })?;
+                    field::number(item, self.decimal_comma, || place(index))
+                }
+                None => field::number(text, self.decimal_comma, || place(index)),
+            }
+        };
+        let stamp = |index: usize| {
+            let text = field(index)?;
+            match formats::seconds_of_date(text) {
+                Some(seconds) => Ok(Stamp::Date(seconds)),
+                None => field::number(text, self.decimal_comma, || place(index)).map(Stamp::Number),
+            }
+        };
+        let part = |index: usize| {
+            let nanoseconds = field::number(field(index)?, self.decimal_comma, || place(index))?;
+            if (0.0..NANOSECONDS).contains(&nanoseconds) {
+                return Ok(nanoseconds / NANOSECONDS);
+            }
+            Err(ClockError::NoPart { place: place(index), value: nanoseconds }.into())
+        };
+        let t = self.clock.time_s(number, stamp, part)?;
         if let Some((from_s, to_s)) = self.window_s
             && !(from_s <= t && t <= to_s)
         {
@@ -173,16 +235,16 @@ impl RowReader<'_> {
             return Ok(None);
         }
         self.values.clear();
-        for &index in &self.indices {
-            self.values.push(number_in(index)?);
+        for &cell in &self.cells {
+            self.values.push(number_in(cell)?);
         }
-        self.values.extend(self.optional.map(|index| number_in(index).unwrap_or(f64::NAN)));
+        self.values.extend(self.optional.map(|index| number_in(Cell { index, element: None }).unwrap_or(f64::NAN)));
         Ok(Some(t))
     }
 }
 
 /// Remembers a value of a `--where` column, for the message when none matches.
-fn note(seen: &mut Vec<String>, found: &[u8]) {
+pub(super) fn note(seen: &mut Vec<String>, found: &[u8]) {
     if seen.len() < SEEN_VALUES {
         let text = format!("`{}`", field::shown(&String::from_utf8_lossy(found)));
         if !seen.contains(&text) {

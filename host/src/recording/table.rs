@@ -7,7 +7,7 @@ use csv::ByteRecord;
 use super::CURRENT;
 use super::clock::Clock;
 use super::error::{Place, RecordingError};
-use super::field;
+use super::formats::Format;
 use super::header::Header;
 use super::limits::{BUFFER, Limited, MAX_ROWS, Meter};
 use super::lines::LineOfRow;
@@ -15,6 +15,7 @@ use super::options::{ReadOptions, Selection};
 use super::quality::Warning;
 use super::rows::{Names, RowReader, Rows};
 use super::source::unpacked;
+use super::{field, formats};
 use crate::file::FileError;
 use crate::mistaken::{Content, seems};
 
@@ -54,7 +55,15 @@ impl Table {
         wanted: &[Wanted<'_>],
     ) -> Result<Self, RecordingError> {
         options.check()?;
-        let input = unpacked(input).map_err(|error| FileError::reading(file, &error))?;
+        let failed = |error: std::io::Error| FileError::reading(file, &error);
+        let mut input = unpacked(input).map_err(failed)?;
+        let mut head = Vec::new();
+        input.by_ref().take(formats::HEAD as u64).read_to_end(&mut head).map_err(failed)?;
+        let format = Format::of(&head);
+        let input = std::io::Cursor::new(head).chain(input);
+        if let Some(format) = format {
+            return Self::of_log(file, &formats::foreign(file, format, input)?, options, wanted);
+        }
         let (input, meter) = Limited::new(input);
         let mut input = BufReader::with_capacity(BUFFER, input);
         let mut header = Header::default();
@@ -80,8 +89,7 @@ impl Table {
             None => error,
         };
         let clock = clock(options, &header, &names).map_err(other)?;
-        let indices =
-            wanted.iter().map(|w| names.index(w.name, w.flag)).collect::<Result<Vec<_>, _>>().map_err(other)?;
+        let cells = wanted.iter().map(|w| names.cell(w.name, w.flag)).collect::<Result<Vec<_>, _>>().map_err(other)?;
         // As a board writes it. A stranger's column of that name is not looked at.
         let measured = header.units.get(CURRENT).is_some_and(|unit| unit == "A");
         let optional = names.columns.iter().position(|name| name == CURRENT).filter(|_| measured && wanted.len() == 2);
@@ -101,28 +109,37 @@ impl Table {
             last_line: names.line,
             found: Vec::new(),
         };
-        let window_s = options.window_s;
+        // Where commas separate, a decimal comma makes two fields of a number.
+        let (window_s, decimal_comma) = (options.window_s, delimiter != b',');
         let (seen, values) = (Vec::new(), Vec::new());
-        let mut reader =
-            RowReader { names: &names, clock, indices, optional, selection, seen, window_s, outside_s: None, values };
+        let mut reader = RowReader {
+            names: &names,
+            clock,
+            cells,
+            optional,
+            decimal_comma,
+            selection,
+            seen,
+            window_s,
+            outside_s: None,
+            values,
+        };
         let most = options.max_rows.unwrap_or(MAX_ROWS);
         table.read_rows(&mut rows, &mut reader, most)?;
         if table.t.is_empty() {
-            let file = file.to_owned();
-            return Err(match (reader.window_s.zip(reader.outside_s), reader.seen.is_empty()) {
-                (Some((window_s, found_s)), _) => RecordingError::OutsideWindow { file, window_s, found_s },
-                (None, true) => RecordingError::NoRows { file, line: names.line },
-                (None, false) => {
-                    let seen = std::mem::take(&mut reader.seen);
-                    RecordingError::NothingSelected { file, wanted: join(&options.select), seen }
-                }
-            });
+            let seen = std::mem::take(&mut reader.seen);
+            return Err(nothing(file, names.line, options, reader.outside_s, seen));
         }
-        if let Clock::Column { name, .. } = &table.clock {
+        table.mended(file)
+    }
+
+    /// The table with a clock that increases strictly.
+    pub(super) fn mended(mut self, file: &str) -> Result<Self, RecordingError> {
+        if let Clock::Column { name, .. } = &self.clock {
             let name = name.clone();
-            table.mend_clock(file, &name)?;
+            self.mend_clock(file, &name)?;
         }
-        Ok(table)
+        Ok(self)
     }
 
     /// Reads the rows below the header row, at most `most`.
@@ -180,13 +197,29 @@ impl Table {
     }
 }
 
+/// The refusal of a file of which no row is left.
+pub(super) fn nothing(
+    file: &str,
+    line: u64,
+    options: &ReadOptions,
+    outside_s: Option<(f64, f64)>,
+    seen: Vec<String>,
+) -> RecordingError {
+    let file = file.to_owned();
+    match (options.window_s.zip(outside_s), seen.is_empty()) {
+        (Some((window_s, found_s)), _) => RecordingError::OutsideWindow { file, window_s, found_s },
+        (None, true) => RecordingError::NoRows { file, line },
+        (None, false) => RecordingError::NothingSelected { file, wanted: join(&options.select), seen },
+    }
+}
+
 fn join(selections: &[Selection]) -> String {
     let all: Vec<String> = selections.iter().map(ToString::to_string).collect();
     all.join(" and ")
 }
 
 /// Takes the comment lines; returns the first line that is none, and the number of lines before it.
-fn read_header(
+pub(super) fn read_header(
     file: &str,
     input: &mut impl BufRead,
     header: &mut Header,
@@ -227,7 +260,7 @@ fn read_header(
 }
 
 /// The delimiter of a header row: a comma, or where there is none a semicolon or a tab.
-fn delimiter(row: &[u8]) -> u8 {
+pub(super) fn delimiter(row: &[u8]) -> u8 {
     let found = |byte: &u8| row.contains(byte);
     [b',', b';', b'\t'].into_iter().find(found).unwrap_or(b',')
 }
@@ -237,6 +270,11 @@ fn clock(options: &ReadOptions, header: &Header, names: &Names<'_>) -> Result<Cl
         return Ok(Clock::Rate { fs_hz });
     }
     let name = options.time_column();
+    let of_its_own = options.time.is_none() && names.columns.iter().any(|column| column == name);
+    if !of_its_own && let Some((index, part)) = names.split_stamp(options.time.as_deref()) {
+        let name = format!("{} and {}", names.columns[index], names.columns[part]);
+        return Ok(Clock::split(index, part, &name));
+    }
     match (names.index(name, "--time (or give --fs)"), header.tick_s) {
         (Ok(index), _) => Ok(Clock::column(index, name, options.time_unit, header)),
         (Err(RecordingError::WrongColumn { .. }), Some(tick_s)) if options.time.is_none() => Ok(Clock::Tick { tick_s }),

@@ -13,6 +13,7 @@ pub mod discovery;
 pub mod figure;
 pub mod identification;
 pub mod json;
+pub mod look;
 pub mod page;
 pub mod remark;
 pub mod text;

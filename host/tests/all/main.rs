@@ -13,6 +13,7 @@ mod identify_data;
 mod inputs;
 mod json_errors;
 mod json_schema;
+mod look;
 mod measured;
 mod messages;
 mod model;

@@ -40,7 +40,10 @@ fn a_file_of_another_kind_is_recognised() {
         ("identify model.toml", "model.toml is a model (TOML), not a recording"),
         ("identify controller.toml", "a model is given by --model"),
         ("discover relay.toml", "relay.toml is a TOML file, not a recording"),
-        ("sinefit binary", "binary is binary data, not a recording (CSV with a header row); give the log as CSV"),
+        (
+            "sinefit binary",
+            "binary is binary data, not a recording (CSV with a header row); give the log as CSV, MCAP, WPILOG, ULog, npz, MAT or Parquet",
+        ),
         ("identify report.html", "is a page (HTML or XML), not a recording"),
         ("identify result.json", "is a JSON file, not a recording"),
         ("identify words.csv", "are they separated by commas"),

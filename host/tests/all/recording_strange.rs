@@ -156,7 +156,7 @@ fn a_roll_over_is_refused_with_the_option_and_joined_by_it() {
 fn what_is_too_much_is_refused_by_its_limit() {
     let refused =
         |input: &mut dyn Read| Recording::read_from("a.csv", input, &ReadOptions::default()).unwrap_err().to_string();
-    assert_snapshot!(refused(&mut std::io::repeat(0)), @"a.csv is binary data, not a recording (CSV with a header row); give the log as CSV");
+    assert_snapshot!(refused(&mut std::io::repeat(0)), @"a.csv is binary data, not a recording (CSV with a header row); give the log as CSV, MCAP, WPILOG, ULog, npz, MAT or Parquet");
     assert_snapshot!(refused(&mut std::io::repeat(b'7')), @"a.csv:1: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");
     assert_snapshot!(refused(&mut "# a\n".as_bytes().chain(std::io::repeat(b'#'))), @"a.csv:2: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");
     assert_snapshot!(refused(&mut "t,u,x\n0,1,2\n1,\"".as_bytes().chain(std::io::repeat(b'\n'))), @"a.csv:3: no end of the row within 1024 KiB, the longest row that is read. A recording has one row per sample, and a quote must be closed");

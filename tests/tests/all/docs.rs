@@ -19,13 +19,14 @@ use commands::{Program, lines, pages, root, shown};
 use files::Files;
 
 /// Files that a page takes from its reader, and what it says they are.
-const READERS_OWN: [(&str, &str, &str); 9] = [
+const READERS_OWN: [(&str, &str, &str); 10] = [
     ("README.md", "rec.csv", "A recording is a CSV file"),
     ("docs/adding-an-effect.md", "eddy.toml", "`eddy.toml`, on the plant of the papers"),
     ("docs/case-studies.md", "emps_train.csv", "Both recordings are other people's"),
     ("docs/case-studies.md", "current-sine-2hz.csv", "Both recordings are other people's"),
     ("docs/control.md", "model.toml", "from a model to a tracked reference"),
     ("docs/fleet.md", "machines", "`machines` holds one folder per machine"),
+    ("docs/logs.md", "robot.mcap", "reads the log that you have"),
     ("docs/tutorial.md", "export", "$ mkdir -p export held"),
     ("docs/tutorial.md", "held", "$ mkdir -p export held"),
     ("docs/virtual-board.md", "model.toml", "--plant MODEL.toml"),

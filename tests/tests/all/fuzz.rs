@@ -36,6 +36,11 @@ fn recordings() {
 }
 
 #[test]
+fn logs() {
+    holds("log");
+}
+
+#[test]
 fn models() {
     holds("model");
 }

@@ -37,6 +37,17 @@ pub enum ClockError {
         /// Rows that repeat the stamp of the row before.
         rows: usize,
     },
+    /// Nanoseconds that are not a part of their second.
+    #[error(
+        "{place}: {value} is not from 0 to 999999999: these nanoseconds are no part of a second in a column beside them; \
+         name another column with --time"
+    )]
+    NoPart {
+        /// Where.
+        place: Place,
+        /// The value.
+        value: f64,
+    },
     /// Rows come at a rate at which no motor is recorded.
     #[error(
         "{file}: column `{column}`, read in {unit}, gives {} between rows, {}{}",

@@ -46,6 +46,10 @@ impl Files {
                 files.reads.clone_from(&a.recordings);
                 files.writes = target(&a.output);
             }
+            CliCommand::Look(a) => {
+                files.reads.clone_from(&a.files);
+                files.writes = target(&a.figure);
+            }
             CliCommand::Sinefit(a) => files.reads.push(a.recording.clone()),
             CliCommand::VirtualBoard(a) => {
                 files.reads.extend([some(&a.plant), some(&a.image)].concat());

@@ -1,0 +1,174 @@
+//! Logs in other formats than CSV: each format is a file of its own, and gives a [`Log`] of named channels with times.
+//!
+//! A format is known by the first bytes of a file, whatever the file's name ends in.
+
+mod array;
+mod bytes;
+mod cdr;
+mod csv;
+mod fault;
+mod gather;
+mod guard;
+mod join;
+mod json;
+mod leaf;
+mod log;
+mod mat;
+mod mcap;
+mod npy;
+mod npz;
+mod parquet;
+mod protobuf;
+mod ros_type;
+mod text;
+mod ulog;
+mod wpilog;
+
+use std::fmt;
+use std::io::Read;
+use std::path::Path;
+
+pub use csv::read as read_csv;
+pub use log::{Channel, Group, Log, MAX_CHANNELS, MAX_VALUES, Values};
+
+pub(super) use join::{Joined, Times};
+pub(super) use text::{cell_of_list, seconds_of_date};
+
+use super::error::RecordingError;
+use super::source::unpacked;
+use super::{MAX_ROWS, Source};
+use crate::file::{FileError, shown};
+use fault::Fault;
+
+/// Most bytes of a log that are read, and of what is packed in it: three numbers for each of [`MAX_ROWS`] rows.
+pub const MAX_BYTES: usize = 24 * MAX_ROWS;
+/// First bytes by which a format is known.
+pub(super) const HEAD: usize = 128;
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Format {
+    /// Comma-separated values.
+    Csv,
+    /// Arrays of NumPy, in a zip archive.
+    Npz,
+    /// One array of NumPy.
+    Npy,
+    /// MATLAB's, of versions 5 to 7.
+    Mat,
+    /// Apache Parquet.
+    Parquet,
+    /// Of PX4's autopilots.
+    Ulog,
+    /// WPILib's data log.
+    Wpilog,
+    /// MCAP, of ROS 2 and Foxglove.
+    Mcap,
+    /// HDF5, in which MATLAB writes version 7.3.
+    Hdf5,
+    /// SQLite, in which ROS 2 wrote its bags until 2023.
+    Sqlite,
+    /// The bag of ROS 1.
+    Rosbag1,
+}
+
+impl Format {
+    /// The formats with their first bytes.
+    const MARKS: [(&'static [u8], Self); 12] = [
+        (b"PK\x03\x04", Self::Npz),
+        (b"PK\x05\x06", Self::Npz),
+        (b"\x93NUMPY", Self::Npy),
+        (b"MATLAB 5.0 MAT-file", Self::Mat),
+        (b"MATLAB 7.3 MAT-file", Self::Hdf5),
+        (b"\x89HDF\r\n\x1a\n", Self::Hdf5),
+        (b"PAR1", Self::Parquet),
+        (b"ULog\x01\x12\x35", Self::Ulog),
+        (b"WPILOG", Self::Wpilog),
+        (b"\x89MCAP0\r\n", Self::Mcap),
+        (b"SQLite format 3\0", Self::Sqlite),
+        (b"#ROSBAG V", Self::Rosbag1),
+    ];
+
+    /// The format of a file that begins with `head`; `None` where that is none of these, and may be CSV.
+    pub fn of(head: &[u8]) -> Option<Self> {
+        Self::MARKS.iter().find(|(mark, _)| head.starts_with(mark)).map(|(_, format)| *format)
+    }
+
+    /// Reads a log of this format from all its bytes.
+    fn log(self, bytes: &[u8]) -> Result<Log, Fault> {
+        let unsupported = |what: &str, instead| Err(Fault::Unsupported { what: what.to_owned(), instead });
+        match self {
+            Self::Npz => npz::read(bytes),
+            Self::Npy => npy::read(bytes),
+            Self::Mat => mat::read(bytes),
+            Self::Parquet => parquet::read(bytes),
+            Self::Ulog => ulog::read(bytes),
+            Self::Wpilog => wpilog::read(bytes),
+            Self::Mcap => mcap::read(bytes),
+            Self::Hdf5 => unsupported("HDF5 (MATLAB's version 7.3)", "write it by save('log.mat', …, '-v7')"),
+            Self::Sqlite => unsupported("a bag of ROS 2 in SQLite", "convert it to MCAP by `ros2 bag convert`"),
+            Self::Rosbag1 => unsupported("a bag of ROS 1", "convert it to MCAP by `mcap convert`"),
+            Self::Csv => unsupported("CSV as a log of bytes", "read it as rows"),
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Csv => "a CSV file",
+            Self::Npz => "an npz archive",
+            Self::Npy => "an npy array",
+            Self::Mat => "a MAT file",
+            Self::Parquet => "a Parquet file",
+            Self::Ulog => "a ULog",
+            Self::Wpilog => "a WPILOG",
+            Self::Mcap => "an MCAP file",
+            Self::Hdf5 => "an HDF5 file",
+            Self::Sqlite => "an SQLite file",
+            Self::Rosbag1 => "a bag of ROS 1",
+        })
+    }
+}
+
+impl Log {
+    /// Reads all channels of the file at `path`, CSV or another format; `-` is standard input.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with the file and what to do.
+    pub fn read(path: &Path) -> Result<Self, RecordingError> {
+        Self::read_from(&shown(path), Source::open(path)?)
+    }
+
+    /// Reads all channels from `input`; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with the file and what to do.
+    pub fn read_from(file: &str, input: impl Read) -> Result<Self, RecordingError> {
+        let failed = |error: std::io::Error| FileError::reading(file, &error);
+        let mut input = unpacked(input).map_err(failed)?;
+        let mut head = Vec::new();
+        input.by_ref().take(HEAD as u64).read_to_end(&mut head).map_err(failed)?;
+        let format = Format::of(&head);
+        let whole = head.as_slice().chain(input);
+        match format {
+            Some(format) => foreign(file, format, whole),
+            None => csv::read(file, whole),
+        }
+    }
+}
+
+/// Reads a log that is not CSV.
+pub(super) fn foreign(file: &str, format: Format, input: impl Read) -> Result<Log, RecordingError> {
+    let mut bytes = Vec::new();
+    let read = input.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes);
+    read.map_err(|error| FileError::reading(file, &error))?;
+    let all = if bytes.len() > MAX_BYTES {
+        Err(Fault::TooLarge { what: "bytes", most: MAX_BYTES })
+    } else {
+        format.log(&bytes)
+    };
+    Ok(all.map_err(|fault| fault.of(file, format))?)
+}
