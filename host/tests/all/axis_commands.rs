@@ -1,5 +1,6 @@
 //! `run`, `simulate`, `identify` and `effects` from outside: exit codes, the JSON documents of docs/formats.md, section "JSON results", the files they leave.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -173,7 +174,7 @@ fn with_current(folder: &Path, name: &str) {
         let way = recording.x[k + 1] - recording.x[k - 1];
         let v = way / (recording.t[k + 1] - recording.t[k - 1]);
         let current = 1000.0 * (recording.u[k] - 0.05 * v) / 2.0;
-        text += &format!("{},{},{},{current}\n", recording.t[k], recording.u[k], recording.x[k]);
+        writeln!(text, "{},{},{},{current}", recording.t[k], recording.u[k], recording.x[k]).unwrap();
     }
     fs::write(folder.join(format!("{name}i.csv")), text).unwrap();
 }

@@ -24,7 +24,9 @@ fn fails(place: &Path, line: &str) -> (Value, i32) {
 fn an_error_has_its_kind_and_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path();
-    let rows: String = (0..200).map(|i| format!("{},1.0,{}\n", f64::from(i) * 1e-3, f64::from(i) * 1e-4)).collect();
+    let rows: Vec<String> =
+        (0..200).map(|i| format!("{},1.0,{}\n", f64::from(i) * 1e-3, f64::from(i) * 1e-4)).collect();
+    let rows = rows.concat();
     fs::write(place.join("rec.csv"), format!("t,u,x\n{rows}")).unwrap();
     fs::write(place.join("bad.csv"), format!("t,u,x\n{rows}0.3,1.0,many\n{rows}")).unwrap();
     fs::write(place.join("model.toml"), "[base]\nb = 0.1\nc = 0.1\nf1 = 0.1\ninertia = 1\n").unwrap();
