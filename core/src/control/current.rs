@@ -11,8 +11,8 @@
 //! the current then goes to its end as fast as the bridge lets it, without the slow pole a.
 //!
 //! With L = 0, not known, it is an integral alone. The back-EMF is a disturbance that S makes up for within L/R. The delay from the
-//! reading to the middle of the voltage's hold takes ωc·delay of the phase of 90° (docs/control.md, section "The current
-//! loop").
+//! reading to the middle of the voltage's hold takes ωc·delay of the phase of 90°
+//! (docs/control.md, section "The current loop").
 
 use crate::says::says;
 use crate::scalar::Real;

@@ -74,8 +74,8 @@ pub enum FaultCause {
     NotFinite,
     /// The emergency stop is open.
     EmergencyStop,
-    /// The current was above the level at which the board's own comparator switches off (value: mA in the tick that saw it, when it
-    /// may have fallen already; limit: mA of the level).
+    /// The current was above the level at which the board's own comparator switches off (limit: mA of the
+    /// level). The value is in mA, of the tick that saw it, when the current may have fallen already.
     OverCurrent,
     /// The current is limited, and what measures it is not there or contradicts itself.
     CurrentSensor,

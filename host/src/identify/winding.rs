@@ -2,7 +2,7 @@
 //! viscous friction (docs/theory.md, section 1).
 //!
 //! Each window of rows gives one equation of integrals, ∫u = R·∫i + Ke·Δx + L·Δi + u0·Δt, in which nothing is differentiated. The
-//! factor of Δi also takes what the trapezoid and a delay from reading to drive add, so that R and Ke are free of both.
+//! factor of Δi also takes what the trapezoid and a delay from reading to drive add. So R and Ke are free of both.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -29,8 +29,8 @@ pub struct Winding {
     pub inductance: Option<Value>,
 }
 
-/// The winding of recordings of one session; `None` where the current is not recorded, the drive is not in V, or there is too
-/// little motion.
+/// The winding of recordings of one session. `None` where the current is not recorded, the drive is not in V, or there is
+/// too little motion.
 pub fn winding(recordings: &[Recording]) -> Option<Winding> {
     let measured = |recording: &Recording| recording.units.u == "V" && recording.current.len() == recording.t.len();
     if recordings.is_empty() || !recordings.iter().all(measured) {
@@ -46,8 +46,8 @@ pub fn winding(recordings: &[Recording]) -> Option<Winding> {
     Some(Winding { resistance, back_emf, inductance })
 }
 
-/// L from the factor of Δi, where it shows. A current that goes to its end exponentially in each tick has, by the trapezoid, an
-/// integral that is off by a multiple of its change, so that the factor is (y/2)·coth(y/(2L)) with y = R·Ts: y/2 without an L.
+/// L from the factor of Δi, where it shows. A current goes to its end exponentially in each tick. So the trapezoid's
+/// integral is off by a multiple of its change: the factor is (y/2)·coth(y/(2L)) with y = R·Ts, and y/2 without an L.
 fn inductance(factor: Value, y: f64) -> Option<Value> {
     let half = y / 2.0;
     if factor.value - half < SHOWS * factor.se {

@@ -21,8 +21,8 @@ pub struct ReadOptions {
     pub input: Option<String>,
     /// Column of the position; `x` if not given.
     pub position: Option<String>,
-    /// Column of the motor's current, in A, or in mA where its name or the header says so; [`CURRENT`](super::CURRENT) if not given,
-    /// where the header says that it is in A.
+    /// Column of the motor's current, in A, or in mA where its name or the header says so. If not given, it is
+    /// [`CURRENT`](super::CURRENT), where the header says that it is in A.
     pub current: Option<String>,
     /// Sampling rate, Hz: time is then made from the row number, whatever the file says.
     pub fs_hz: Option<f64>,

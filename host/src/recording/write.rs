@@ -8,7 +8,8 @@ use super::{CURRENT, Recording, RecordingError};
 use crate::file::{FileError, write_whole};
 
 impl Recording {
-    /// Writes the recording to `path`, whole or not at all, with columns `t,u,x`, `i_A` where there is a current, and a header of units and provenance.
+    /// Writes the recording to `path`, whole or not at all. It has the columns `t,u,x`, and `i_A` where there is a current.
+    /// The header has units and provenance.
     ///
     /// # Errors
     /// [`FileError::Write`]; a file already there is then untouched.

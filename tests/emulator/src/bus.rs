@@ -158,8 +158,8 @@ impl Bus {
         }
     }
 
-    /// The winding in this step; what then drives the axis, R·i as a drive code of twice the supply (the axis has that range, as a
-    /// reversal makes up to twice the current of the supply).
+    /// The winding in this step. What then drives the axis is R·i, as a drive code of twice the supply: a reversal makes up
+    /// to twice the current of the supply.
     fn wind(&mut self, enabled: bool) -> Option<i16> {
         let mut winding = self.winding?;
         let position = self.plant.position();

@@ -131,11 +131,16 @@ fn json_examples_have_the_promised_keys() {
         .iter()
         .map(|(line, text)| serde_json::from_str(text).unwrap_or_else(|e| panic!("{line}: {e}")))
         .collect();
-    let [sinefit, identify] = documents.as_slice() else { panic!("two json examples") };
+    let [error, sinefit, identify] = documents.as_slice() else { panic!("three json examples") };
+    for key in ["kind", "message", "file", "line", "column", "hint"] {
+        assert!(error["error"].get(key).is_some(), "error: {key}");
+    }
     for key in ["amplitude", "omega", "phase", "phase_centre", "offset", "rms", "se", "cycles"] {
         assert!(sinefit.get(key).is_some(), "sinefit: {key}");
     }
-    for key in ["b", "c", "f1", "load", "undetermined", "noise", "estimator"] {
+    for key in
+        ["b", "c", "f1", "load", "undetermined", "noise", "estimator", "estimators", "chosen_because", "schema_version"]
+    {
         assert!(identify.get(key).is_some(), "identify: {key}");
     }
 }

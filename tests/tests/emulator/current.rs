@@ -25,8 +25,8 @@ fn wound_by(winding: Winding, change: impl FnOnce(&mut Settings)) -> Bench {
     scaled(bench, change)
 }
 
-/// A constant drive that moves nothing: what flows after 20 time constants is u/R. The samples have it to a code of the ADC (offset and
-/// reading are rounded), 1.1 mA for the dead time, which shifts the pulse by 0.25 µs, and 1 mA. The ripple of 20 mA is none of it.
+/// A constant drive that moves nothing: what flows after 20 time constants is u/R. The samples have it to a code of the ADC, as offset
+/// and reading are rounded, and 1 mA. The dead time shifts the pulse by 0.25 µs, which makes 1.1 mA more. The ripple of 20 mA is none of it.
 #[test]
 fn the_sample_in_the_middle_of_the_pulse_is_the_mean_current() {
     needs_unicorn!();
@@ -160,7 +160,7 @@ fn as_volts(amperes: f64) -> f64 {
     amperes / FULL_A * 5.0
 }
 
-/// 0.2 A are below break-away. The loop has 833 Hz: within ten of its time constants, 2 ms, the current is there to a code of the ADC
+/// 0.2 A are below break-away. The loop has 833 Hz. Within ten of its time constants, 2 ms, the current is there to a code of the ADC
 /// and a half, and it does not overshoot by more than a twelfth.
 #[test]
 fn the_current_loop_follows_a_step() {
@@ -186,7 +186,7 @@ fn the_current_loop_follows_a_step() {
     }
 }
 
-/// A relay experiment in A, with the back-EMF of a moving axis against the loop: 3 ms after each reversal the current is what is recorded as
+/// A relay experiment in A, with the back-EMF of a moving axis against the loop. 3 ms after each reversal the current is what is recorded as
 /// drive, to 5 %. The back-EMF rises by at most 5 V·s⁻¹, which a loop of 5200 rad/s follows to 1 mA.
 #[test]
 fn a_relay_experiment_is_driven_by_currents() {
@@ -212,7 +212,7 @@ fn a_relay_experiment_is_driven_by_currents() {
     assert!(turned > 40, "{turned} counts");
 }
 
-/// The limit and the comparators hold with the current loop too: 0.5 A against a limit of 0.4 A ends the run after 1 ms, and a winding
+/// The limit and the comparators hold with the current loop too. 0.5 A against a limit of 0.4 A ends the run after 1 ms, and a winding
 /// that is shorted opens the bridge within the two steps, as under a voltage.
 #[test]
 fn the_limits_of_the_current_hold_under_the_current_loop() {

@@ -64,7 +64,7 @@ fn errors(name: &str, found: Value, truth: f64) -> f64 {
     errors.abs()
 }
 
-/// R and Ke within three standard errors, which are below 0.5 %, with each of five seeds. L has 1 % more: the noise of the current is in
+/// R and Ke within three standard errors, which are below 0.5 %, with each of five seeds. L has 1 % more. The noise of the current is in
 /// its own column Δi, and makes it smaller by the ratio of the two mean squares, 0.3 % here.
 #[test]
 fn resistance_back_emf_and_inductance_are_recovered() {
@@ -80,7 +80,7 @@ fn resistance_back_emf_and_inductance_are_recovered() {
     }
 }
 
-/// An inductance that is not there, or whose L/R is a hundredth of a tick, does not show. R and Ke are right to 0.1 %: the factor of Δi
+/// An inductance that is not there, or whose L/R is a hundredth of a tick, does not show. R and Ke are right to 0.1 %. The factor of Δi
 /// is then that of jumps, half a tick, and the smooth part of the current has none.
 #[test]
 fn no_inductance_shows_where_there_is_none() {
