@@ -161,7 +161,7 @@ fn as_volts(amperes: f64) -> f64 {
 }
 
 /// 0.2 A are below break-away. The loop has 833 Hz. Within ten of its time constants, 2 ms, the current is there to a code of the ADC
-/// and a half, and it does not overshoot by more than a twelfth.
+/// and a half. It does not overshoot by more than a twelfth.
 #[test]
 fn the_current_loop_follows_a_step() {
     needs_unicorn!();
@@ -212,7 +212,7 @@ fn a_relay_experiment_is_driven_by_currents() {
     assert!(turned > 40, "{turned} counts");
 }
 
-/// The limit and the comparators hold with the current loop too. 0.5 A against a limit of 0.4 A ends the run after 1 ms, and a winding
+/// The limit and the comparators hold with the current loop too. 0.5 A against a limit of 0.4 A ends the run after 1 ms. A winding
 /// that is shorted opens the bridge within the two steps, as under a voltage.
 #[test]
 fn the_limits_of_the_current_hold_under_the_current_loop() {
