@@ -155,7 +155,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Err(error) => {
             // `{:#}` is the whole chain of causes, on one line.
             eprintln!("error: {error:#}");
-            if output.json {
+            if output.json && !output::has_printed() {
                 Failure::of(&error).print();
             }
             let interrupted = matches!(error.downcast_ref(), Some(DeviceError::Interrupted));

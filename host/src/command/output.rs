@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 use serde_json::Value;
@@ -65,6 +66,7 @@ impl Output {
     /// What standard output reports. That its reader has gone away (`| head`) is no error.
     pub fn print<T: Serialize>(self, document: &T, text: impl FnOnce(&T) -> String) -> anyhow::Result<()> {
         let mut text = if self.json { serde_json::to_string_pretty(&versioned(document)?)? } else { text(document) };
+        PRINTED.store(true, Ordering::Relaxed);
         if !text.ends_with('\n') {
             text.push('\n');
         }
@@ -82,6 +84,14 @@ impl Output {
 
 /// Version of the documents. It grows when a field goes away or changes its meaning, not when one is added.
 pub const SCHEMA_VERSION: u32 = 1;
+
+/// Whether this command has printed its document: a reason to fail that comes after it is no second document.
+static PRINTED: AtomicBool = AtomicBool::new(false);
+
+/// Whether standard output has its document already.
+pub fn has_printed() -> bool {
+    PRINTED.load(Ordering::Relaxed)
+}
 
 /// The document with its version, and with the warnings of this run among its remarks.
 pub(super) fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {

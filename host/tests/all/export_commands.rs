@@ -22,7 +22,10 @@ fn c_needs_nothing() {
     assert!(text(&run.stdout).starts_with("/* exported by breakaway "), "{}", text(&run.stdout));
     assert!(text(&run.stderr).contains("LOST         stiction"), "{}", text(&run.stderr));
     let document = json(folder.path(), &["export", "axis.toml", "--to", "c"]);
-    assert_eq!(keys(&document), ["lost", "output", "parts", "remarks", "si", "target", "text", "version"]);
+    assert_eq!(
+        keys(&document),
+        ["lost", "output", "parts", "remarks", "schema_version", "si", "target", "text", "version"]
+    );
     assert_eq!(document["lost"], serde_json::json!(["stiction"]));
     assert_eq!(document["parts"][4]["fate"], "kept");
     assert!(document["si"].is_null() && document["text"].as_str().unwrap().contains("axis_feed_forward"));

@@ -71,7 +71,7 @@ fn look_guesses_the_columns_of_every_format() {
     for (name, time, drive, position) in LOGS {
         fs::copy(seed(name), folder.path().join(name)).unwrap();
         let document = json(folder.path(), &["look", name]);
-        assert_eq!(keys(&document), ["files", "version"]);
+        assert_eq!(keys(&document), ["files", "schema_version", "version"]);
         let file = &document["files"][0];
         let wanted = ["channels", "command", "drive", "faults", "file", "format", "hints", "passed_over", "position"];
         assert_eq!(keys(file)[..9], wanted, "{name}");

@@ -184,10 +184,14 @@ pub fn breakaway(arguments: &[&str]) -> Output {
     start(arguments).wait_with_output().unwrap()
 }
 
-/// Standard error of a run that must have failed with `code`.
+/// Standard error of a run that must have failed with `code`. Standard output is empty, or has the error as a document.
 pub fn failure(output: &Output, code: i32) -> String {
     let stderr = String::from_utf8(output.stderr.clone()).unwrap();
-    assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(code), &b""[..]), "{stderr}");
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    if !output.stdout.is_empty() {
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(stderr.contains(document["error"]["message"].as_str().unwrap()), "{document}");
+    }
     stderr
 }
 
