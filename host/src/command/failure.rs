@@ -1,5 +1,7 @@
 //! An error as a JSON document (docs/formats.md, "Errors").
 
+use std::io::{self, Write as _};
+
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -81,7 +83,8 @@ impl Failure {
         let document =
             versioned(&Document { error: self }).and_then(|document| serde_json::to_string_pretty(&document));
         if let Ok(text) = document {
-            println!("{text}");
+            // Whoever has closed standard output (`| head`) reads no document; the exit code tells.
+            let _ = writeln!(io::stdout(), "{text}");
         }
     }
 }

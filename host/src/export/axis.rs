@@ -114,6 +114,11 @@ impl Axis {
         self.parts.iter().find_map(share).unwrap_or(0.0)
     }
 
+    /// Kind and direction of the joint, as URDF and SDF write them.
+    pub const fn joint(&self) -> (&'static str, &'static str) {
+        if self.scale.linear { ("prismatic", "1 0 0") } else { ("revolute", "0 0 1") }
+    }
+
     /// The force of the largest drive, at the load.
     pub fn largest_force(&self) -> Option<f64> {
         self.parts.iter().find_map(|part| match part.element {

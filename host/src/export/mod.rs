@@ -150,6 +150,11 @@ fn identifier(name: &str) -> String {
     if clean.starts_with(|c: char| c.is_ascii_alphabetic()) { clean } else { format!("axis_{clean}") }
 }
 
+/// A comment of an XML file, in which two hyphens may not stand together.
+fn xml_comment(indent: &str, text: &str) -> String {
+    format!("{indent}<!-- {} -->", text.replace("--", "- -"))
+}
+
 /// A number with ten digits at most, in the shortest form.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);

@@ -6,7 +6,7 @@ use breakaway_core::plant::effect::Element;
 
 use super::axis::{Axis, Decided, Part, base_kept};
 use super::fate::{Row, Written, kept, losses, lost, near};
-use super::number;
+use super::{number, xml_comment};
 use crate::file::EXPORT_MARK;
 
 fn decide(part: &Part) -> Decided {
@@ -35,7 +35,7 @@ fn link(name: &str, inertia: f64) -> String {
 
 /// A joint's beginning, up to its dynamics.
 fn joint(axis: &Axis, name: &str, parent: &str, child: &str) -> String {
-    let (kind, direction) = if axis.scale.linear { ("prismatic", "1 0 0") } else { ("revolute", "0 0 1") };
+    let (kind, direction) = axis.joint();
     format!(
         "    <joint name=\"{name}\" type=\"{kind}\">\n      <parent>{parent}</parent>\n      <child>{child}</child>\n      \
          <axis>\n        <xyz>{direction}</xyz>"
@@ -50,7 +50,7 @@ pub(super) fn write(axis: &Axis) -> Written {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{text}");
     };
-    let comment = |text: &str| format!("    <!-- {} -->", text.replace("--", "- -"));
+    let comment = |text: &str| xml_comment("    ", text);
     line(&comment(&format!("{EXPORT_MARK}{}", env!("CARGO_PKG_VERSION"))));
     line(&format!("<sdf version=\"1.9\">\n  <model name=\"{}\">", axis.name));
     for said in axis.summary().iter().chain(&losses(&rows)) {

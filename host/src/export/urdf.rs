@@ -6,7 +6,7 @@ use breakaway_core::plant::effect::Element;
 
 use super::axis::{Axis, Decided, Part, base_kept};
 use super::fate::{Row, Written, kept, losses, lost, near};
-use super::number;
+use super::{number, xml_comment};
 use crate::file::EXPORT_MARK;
 
 /// Limit of what the recordings do not know (travel, speed, effort), as URDF demands one.
@@ -31,7 +31,7 @@ pub(super) fn write(axis: &Axis) -> Written {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{text}");
     };
-    let comment = |text: &str| format!("  <!-- {} -->", text.replace("--", "- -"));
+    let comment = |text: &str| xml_comment("  ", text);
     line(&comment(&format!("{EXPORT_MARK}{}", env!("CARGO_PKG_VERSION"))));
     line(&format!("<robot name=\"{}\">", axis.name));
     for said in axis.summary().iter().chain(&losses(&rows)) {
@@ -45,7 +45,7 @@ pub(super) fn write(axis: &Axis) -> Written {
         "      <inertia ixx=\"{inertia}\" iyy=\"{inertia}\" izz=\"{inertia}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>"
     ));
     line("    </inertial>\n  </link>");
-    let (kind, direction) = if axis.scale.linear { ("prismatic", "1 0 0") } else { ("revolute", "0 0 1") };
+    let (kind, direction) = axis.joint();
     line(&format!("  <joint name=\"axis\" type=\"{kind}\">"));
     line("    <parent link=\"base\"/>\n    <child link=\"load\"/>");
     line(&format!("    <axis xyz=\"{direction}\"/>"));

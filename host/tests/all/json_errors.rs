@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 
@@ -45,6 +45,20 @@ fn an_error_has_its_kind_and_its_place() {
     }
     let (error, _) = fails(place, "identify rec.csv --position angle");
     assert!(error["hint"].as_str().unwrap().contains("--position"), "{error}");
+}
+
+/// Whoever closes standard output reads no document; the command ends with its own exit code all the same.
+#[test]
+fn a_reader_that_has_gone_away_is_no_panic() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_breakaway"))
+        .args(["identify", "none.csv", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// What is doubtful and does not end the command is among the remarks of its document.

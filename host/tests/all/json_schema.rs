@@ -61,6 +61,11 @@ fn documents_are_valid() {
         ("effects", "effects"),
         ("completions", "completions bash"),
         ("man", "man"),
+        ("look", "look rec.csv"),
+        ("export", "export model.toml --to c"),
+        ("models-list", "models list"),
+        ("models-show", "models show emps"),
+        ("models-compare", "models compare ak80 xl330"),
     ] {
         let document = json(place, &line.split(' ').collect::<Vec<_>>());
         valid(name, &document);

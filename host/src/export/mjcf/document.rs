@@ -6,7 +6,7 @@ use breakaway_core::plant::effect::Element;
 
 use super::super::axis::{Axis, Part};
 use super::super::fate::{Row, losses};
-use super::super::number;
+use super::super::{number, xml_comment};
 use super::{Friction, Parts, Second};
 use crate::export::Winding;
 use crate::file::EXPORT_MARK;
@@ -21,24 +21,23 @@ pub(super) fn document(axis: &Axis, parts: &Parts, winding: Option<(Winding, f64
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{text}");
     };
-    let comment = |indent: &str, text: &str| format!("{indent}<!-- {} -->", text.replace("--", "- -"));
     line(&format!("<mujoco model=\"{}\">", axis.name));
-    line(&comment("  ", &format!("{EXPORT_MARK}{}, for MuJoCo 3.7 or later", env!("CARGO_PKG_VERSION"))));
+    line(&xml_comment("  ", &format!("{EXPORT_MARK}{}, for MuJoCo 3.7 or later", env!("CARGO_PKG_VERSION"))));
     for said in axis.summary().iter().chain(&losses(rows)) {
-        line(&comment("  ", said));
+        line(&xml_comment("  ", said));
     }
     line("  <compiler angle=\"radian\" autolimits=\"true\"/>");
-    line(&comment("  ", "Euler takes the joint's damping implicitly, and bristles as they are"));
+    line(&xml_comment("  ", "Euler takes the joint's damping implicitly, and bristles as they are"));
     let step = number(axis.timestep_s);
     line(&format!("  <option timestep=\"{step}\" integrator=\"Euler\" gravity=\"0 0 0\"/>"));
     line("  <worldbody>\n    <body name=\"motor\">");
     let share = axis.second_share();
     let (first, second) = (axis.base.inertia * (1.0 - share), axis.base.inertia * share);
     line(&inertial("      ", first * BODY_SHARE));
-    line(&comment("      ", &format!("armature: {}", axis.said[0])));
+    line(&xml_comment("      ", &format!("armature: {}", axis.said[0])));
     let back_emf = winding.map_or(0.0, |(_, back_emf)| back_emf);
     let less = if winding.is_some() { ", less the back-EMF of the dcmotor" } else { "" };
-    line(&comment("      ", &format!("damping: {}{less}", axis.said[1])));
+    line(&xml_comment("      ", &format!("damping: {}{less}", axis.said[1])));
     let mut joint = format!(
         "      <joint name=\"axis\" {} armature=\"{}\" damping=\"{} {} 0\"",
         kind(axis),
@@ -47,7 +46,7 @@ pub(super) fn document(axis: &Axis, parts: &Parts, winding: Option<(Winding, f64
         number(parts.quadratic)
     );
     if matches!(parts.friction, Friction::Loss) && axis.base.coulomb > 0.0 {
-        line(&comment("      ", &format!("frictionloss: {}; as stiff as the time step allows", axis.said[2])));
+        line(&xml_comment("      ", &format!("frictionloss: {}; as stiff as the time step allows", axis.said[2])));
         let stiff =
             format!("solreffriction=\"{} 1\" solimpfriction=\"0.9999 0.9999 0.001\"", number(2.0 * axis.timestep_s));
         let _ = write!(joint, " frictionloss=\"{}\" {stiff}", number(axis.base.coulomb));
@@ -56,7 +55,7 @@ pub(super) fn document(axis: &Axis, parts: &Parts, winding: Option<(Winding, f64
         let _ = write!(joint, " stiffness=\"{}\" springref=\"{}\"", number(stiffness), number(rest));
     }
     for part in axis.parts.iter().filter(|part| part.is_of_the_joint()) {
-        line(&comment("      ", &format!("{}: {}", part.name, part.said)));
+        line(&xml_comment("      ", &format!("{}: {}", part.name, part.said)));
     }
     line(&format!("{joint}/>"));
     if let Some(body) = &parts.second {
@@ -80,18 +79,12 @@ pub(super) fn document(axis: &Axis, parts: &Parts, winding: Option<(Winding, f64
         line("      </body>");
     }
     line("    </body>\n  </worldbody>\n  <actuator>");
-    actuators(axis, parts, winding, &mut line, &comment);
+    actuators(axis, parts, winding, &mut line);
     line("  </actuator>\n</mujoco>");
     out
 }
 
-fn actuators(
-    axis: &Axis,
-    parts: &Parts,
-    winding: Option<(Winding, f64)>,
-    line: &mut impl FnMut(&str),
-    comment: &impl Fn(&str, &str) -> String,
-) {
+fn actuators(axis: &Axis, parts: &Parts, winding: Option<(Winding, f64)>, line: &mut impl FnMut(&str)) {
     let mut attributes = String::new();
     if let Some(limit) = parts.limit {
         let _ = write!(attributes, " ctrlrange=\"{} {}\"", number(-limit), number(limit));
@@ -100,22 +93,22 @@ fn actuators(
         let samples = (delay / axis.timestep_s).ceil() as u64 + 1;
         let _ = write!(attributes, " delay=\"{}\" nsample=\"{samples}\"", number(delay));
     }
-    line(&comment("    ", &format!("The drive, in {}", axis.drive_unit)));
+    line(&xml_comment("    ", &format!("The drive, in {}", axis.drive_unit)));
     for part in axis.parts.iter().filter(|part| part.is_of_the_drive()) {
-        line(&comment("    ", &format!("{}: {}", part.name, part.said)));
+        line(&xml_comment("    ", &format!("{}: {}", part.name, part.said)));
     }
     line(&drive(axis, parts, winding, &attributes));
     let passive = "joint=\"axis\" input=\"none\" motorconst=\"0\" resistance=\"1\"";
     if let Friction::Bristles(numbers) = parts.friction {
-        line(&comment("    ", &format!("{}, carried by bristles", axis.said[2])));
+        line(&xml_comment("    ", &format!("{}, carried by bristles", axis.said[2])));
         for part in axis.parts.iter().filter(|part| part.is_friction()) {
-            line(&comment("    ", &format!("{}: {}", part.name, part.said)));
+            line(&xml_comment("    ", &format!("{}: {}", part.name, part.said)));
         }
         let numbers = numbers.map(number).join(" ");
         line(&format!("    <dcmotor name=\"friction\" {passive} lugre=\"{numbers}\"/>"));
     }
     for (index, (numbers, said)) in parts.ripples.iter().enumerate() {
-        line(&comment("    ", said));
+        line(&xml_comment("    ", said));
         let numbers = numbers.map(number).join(" ");
         line(&format!("    <dcmotor name=\"ripple_{}\" {passive} cogging=\"{numbers}\"/>", index + 1));
     }
