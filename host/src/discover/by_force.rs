@@ -5,7 +5,7 @@ use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::decide::{NAMING, paired};
-use super::engine::{DiscoverError, Request, assembled, prepared, radians};
+use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
@@ -13,6 +13,7 @@ use super::judge::settings::Settings;
 use super::model::Model;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::progress::{Progress, Watch};
+use super::ruled::radians;
 use super::search::{Ended, parameters, rung, settled};
 use crate::fit::{Candidate, Fit, Free, SCORE_ITERATIONS};
 use crate::recording::Units;

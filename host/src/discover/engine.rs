@@ -3,26 +3,26 @@
 
 use std::time::Instant;
 
-use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
-use breakaway_core::plant::{Base, Effect, Kind};
+use breakaway_core::plant::{Base, Kind};
 
 use super::by_force;
 use super::corroboration;
 use super::data::Data;
 use super::gap::open_loop_squares;
-use super::judge;
 use super::judge::library::weighs;
 use super::judge::ruling::Ruling;
+use super::judge::settings::Settings;
 use super::next_experiment::{self, Limits};
-use super::outcome::{Discovery, Overlay, Provenance};
+use super::outcome::{Discovery, Overlay, Provenance, Verdict};
 use super::progress::{Progress, Watch};
+use super::ruled::{Ruled, leaves_random_torque, ruled};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
 use super::thinned::thinned;
 use super::unweighed;
 use super::where_map;
-use crate::fit::{Candidate, Covariance, Fit, FitError, Free, Track};
+use crate::fit::{Candidate, Covariance, Fit, FitError, Free};
 use crate::identify::estimate::{self, IdentifyError};
 use crate::recording::{Recording, Units, in_session_order};
 
@@ -31,11 +31,6 @@ use crate::recording::{Recording, Units, in_session_order};
 const ROUGH: f64 = 150.0;
 /// Held-out simulation error, over the sensor's noise, up to which nothing but that noise is left.
 const AT_THE_NOISE: f64 = 1.1;
-/// Force that is left in wide windows, over what the sensor's noise makes of it, from which random torque shakes the
-/// machine.
-const SHAKEN: f64 = 5.0;
-/// Most times that the recordings are moved to one zero.
-const REZEROED: usize = 2;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// Largest factor between a given model's inertia and the recordings'. Beyond it the model is of another machine, or in
@@ -109,14 +104,11 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let began = Instant::now();
     let units = same_units(request)?;
     let [recordings, holdout] = [&request.recordings, &request.holdout].map(|all| in_session_order(all));
-    let (request, age_s) = on_the_sensors_clock(&Request { recordings, holdout, ..request.clone() });
-    let request = &request;
     progress(Progress::Step("judging the measured forces"));
-    let known = request.model.as_ref().map_or(&[][..], |model| &model.effects);
-    let (request, ruling, rezeroed) = ruled(request, known, &units);
+    let Ruled { request: judged, ruling, age_s, rezeroed } =
+        ruled(&Request { recordings, holdout, ..request.clone() }, &units, &Settings::default());
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
-    let request =
-        &Request { recordings: thin(&request.recordings), holdout: thin(&request.holdout), ..request.clone() };
+    let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
         let kinds = left_to_the_motion(ruling, &by_force);
@@ -126,7 +118,14 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
             })
             .flatten();
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
-            Some(small) => by_force::with_ties(small, Some(ruling)),
+            Some(mut small) => {
+                if small.verdict == Verdict::PartlyExplained
+                    && leaves_random_torque(&judged, &small.model, ruling, &units)
+                {
+                    small.verdict = Verdict::Explained;
+                }
+                by_force::with_ties(small, Some(ruling))
+            }
             None => unweighed::compared(request, &units, ruling, by_force, progress),
         }
     } else {
@@ -135,7 +134,7 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
         if corroboration::stands_alone(request, ruling.as_ref(), &small) {
             small
         } else {
-            small.without_names(known.len())
+            small.without_names(request.model.as_ref().map_or(0, |model| model.effects.len()))
         }
     };
     found.remarks.extend(age_s.map(|age_s| {
@@ -150,52 +149,6 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     Ok(found)
 }
 
-/// The ruling on a request, and the request with one zero for all recordings. Positions move only where a law of the
-/// position shows that each recording had its own zero; the last value says whether they did.
-fn ruled(request: &Request, known: &[Effect<f64>], units: &Units) -> (Request, Option<Ruling>, bool) {
-    let settings = judge::settings::Settings::default();
-    let rule = |request: &Request, half_width_s: f64| {
-        let judged = without_known(&request.recordings, known);
-        let ruling = judge::ruling::rule_from(&judged, radians(units), half_width_s, &settings);
-        ruling.map(|ruling| ruling.beside(known))
-    };
-    let mut request = request.clone();
-    let mut ruling = rule(&request, 0.0);
-    let mut rezeroed = false;
-    // A second law of the position may tell the zeros better than the first did.
-    for _ in 0..REZEROED {
-        let Some((first, own)) = request.recordings.first().zip(ruling.as_ref()) else { break };
-        let all: Vec<Recording> = request.recordings.iter().chain(&request.holdout).cloned().collect();
-        let Some(shifts) = judge::zeros::shifts(&all, first, own, &settings) else { break };
-        let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
-        moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
-        rezeroed = true;
-        // Narrower windows named nothing before, so they name nothing now.
-        ruling = rule(&request, own.half_width_s);
-    }
-    (request, ruling, rezeroed)
-}
-
-/// The request with one row for each reading of the sensor, and the age of the readings, s. Each row has the drive of
-/// the instant at which the reading was taken. `None` where no age was found: no reading is held, or the sensor's clock
-/// does not explain the best age.
-fn on_the_sensors_clock(request: &Request) -> (Request, Option<f64>) {
-    let of = |recordings: &[Recording], holdout: &[Recording]| Request {
-        recordings: Recording::refreshed_together(recordings),
-        holdout: Recording::refreshed_together(holdout),
-        ..request.clone()
-    };
-    let fresh = of(&request.recordings, &request.holdout);
-    let settings = judge::settings::Settings::default();
-    let Some(age_s) = judge::reading_age::reading_age_s(&fresh.recordings, &settings) else { return (fresh, None) };
-    let aged = |all: &[Recording], fresh: &[Recording]| -> Vec<Recording> {
-        let held = fresh.iter().map(|own| if own.read_every_s.is_some() { age_s } else { 0.0 });
-        all.iter().zip(held).map(|(recording, age_s)| recording.with_readings_of(age_s)).collect()
-    };
-    let recordings = aged(&request.recordings, &fresh.recordings);
-    (of(&recordings, &aged(&request.holdout, &fresh.holdout)), Some(age_s))
-}
-
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise.
 /// There are none where all names repeat over position, because a simulated rotor is soon off by a tooth. Where random
 /// torque explains what is left, only effects that act in less than a window remain: the forces have weighed the
@@ -206,38 +159,8 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if ripples || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let remainder = &ruling.remainder;
-    let weighed = ruling.tells_inertia() && ruling.seen.is_empty();
-    let shaken = weighed
-        && found.over_noise() > AT_THE_NOISE
-        && remainder.over_noise > SHAKEN
-        && remainder.predictable.is_none()
-        && remainder.significance < judge::settings::Settings::default().z;
+    let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken();
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
-}
-
-/// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.
-pub(super) fn radians(units: &Units) -> Option<f64> {
-    matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
-}
-
-/// The recordings with the forces of known effects taken from the drive.
-fn without_known(recordings: &[Recording], known: &[Effect<f64>]) -> Vec<Recording> {
-    let forces: Vec<&Effect<f64>> = known.iter().filter(|e| e.kind.acts_in() == ActsIn::Force).collect();
-    if forces.is_empty() {
-        return recordings.to_vec();
-    }
-    let each = recordings.iter().map(|recording| {
-        let track = Track::new(recording);
-        let mut own = recording.clone();
-        for (k, u) in own.u.iter_mut().enumerate() {
-            let at = PlantInstant { t: track.t[k], x: track.xs[k], v: track.vs[k], u: *u, over_s: track.ts };
-            let base = Base { b: 1.0, c: 0.0, f1: 0.0 };
-            *u += forces.iter().map(|e| e.force(&at) - e.level(&base, &at) * at.v.signum()).sum::<f64>();
-        }
-        own
-    });
-    each.collect()
 }
 
 /// Recordings, starting model and base fit of a discovery over segments of one length.

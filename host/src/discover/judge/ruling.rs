@@ -93,6 +93,8 @@ const NOTHING: f64 = 0.1;
 const COHERENT: f64 = 0.3;
 /// Force that is left, over what the sensor's noise makes of it, below which it may be all noise.
 const AT_THE_NOISE: f64 = 2.0;
+/// The same ratio, from which random torque shakes the machine.
+const SHAKEN: f64 = 5.0;
 
 impl Ruling {
     /// Whether the inertia of the force fit means something.
@@ -103,6 +105,17 @@ impl Ruling {
     pub fn tells_nothing_is_missing(&self) -> bool {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
         self.coherence >= COHERENT && little
+    }
+    /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
+    /// than the sensor makes, and nothing predicts it. They have weighed nothing where they hardly tell the inertia, or
+    /// where they see an effect that is too small to be named.
+    pub fn shaken(&self) -> bool {
+        let remainder = &self.remainder;
+        self.tells_inertia()
+            && self.seen.is_empty()
+            && remainder.over_noise > SHAKEN
+            && remainder.predictable.is_none()
+            && remainder.significance < Settings::default().z
     }
     /// Share of the drive that the names explain, on side U.
     pub fn explains_of_the_drive(&self) -> f64 {

@@ -21,9 +21,9 @@ use std::sync::atomic::Ordering;
 use breakaway_core::plant::Kind;
 
 use super::data::Data;
-use super::engine::radians;
 use super::model::Model;
 use super::progress::{Progress, Watch};
+use super::ruled::radians;
 use crate::fit::{Fit, median};
 use crate::recording::Units;
 use add::{Round, add};

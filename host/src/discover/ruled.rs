@@ -1,0 +1,95 @@
+//! The judge's ruling on the recordings of a discovery: by the sensor's clock, from one zero, beside known effects.
+
+use super::engine::Request;
+use super::judge::reading_age::reading_age_s;
+use super::judge::ruling::{Ruling, rule_from};
+use super::judge::settings::Settings;
+use super::judge::zeros;
+use super::known::without_effects;
+use crate::fit::Candidate;
+use crate::recording::{Recording, Units};
+
+/// Most times that the recordings are moved to one zero.
+const REZEROED: usize = 2;
+
+/// A ruling, and the recordings on which it was made.
+#[derive(Clone, Debug)]
+pub struct Ruled {
+    /// The request, with one row for each reading of the sensor and one zero for all recordings.
+    pub request: Request,
+    /// The ruling on the recordings to fit; `None` where they hold too little motion.
+    pub ruling: Option<Ruling>,
+    /// Age of the sensor's readings, s; `None` where none was found.
+    pub age_s: Option<f64>,
+    /// Whether the recordings were moved to one zero.
+    pub rezeroed: bool,
+}
+
+/// Rules on a request, beside the effects of its model. Positions move only where a law of the position shows that each
+/// recording had its own zero.
+pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
+    let (mut request, age_s) = on_the_sensors_clock(request, settings);
+    let rule = |request: &Request, half_width_s: f64| {
+        rule_beside(request, request.model.as_ref(), half_width_s, units, settings)
+    };
+    let mut ruling = rule(&request, 0.0);
+    let mut rezeroed = false;
+    // A second law of the position may tell the zeros better than the first did.
+    for _ in 0..REZEROED {
+        let Some((first, own)) = request.recordings.first().zip(ruling.as_ref()) else { break };
+        let all: Vec<Recording> = request.recordings.iter().chain(&request.holdout).cloned().collect();
+        let Some(shifts) = zeros::shifts(&all, first, own, settings) else { break };
+        let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
+        moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
+        rezeroed = true;
+        // Narrower windows named nothing before, so they name nothing now.
+        ruling = rule(&request, own.half_width_s);
+    }
+    Ruled { request, ruling, age_s, rezeroed }
+}
+
+/// Whether random torque is all that a model leaves. The simulation error alone does not tell, because random torque
+/// raises it too. So the judge rules once more, beside the model's effects. The force of a second body cannot be taken
+/// from the recordings.
+pub(super) fn leaves_random_torque(request: &Request, model: &Candidate, ruling: &Ruling, units: &Units) -> bool {
+    let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
+    let again = || rule_beside(request, Some(model), ruling.half_width_s, units, &Settings::default());
+    !bodies && again().is_some_and(|again| again.findings.is_empty() && again.shaken())
+}
+
+/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s.
+fn rule_beside(
+    request: &Request,
+    known: Option<&Candidate>,
+    half_width_s: f64,
+    units: &Units,
+    settings: &Settings,
+) -> Option<Ruling> {
+    let rule = |recordings: &[Recording]| rule_from(recordings, radians(units), half_width_s, settings);
+    let Some(known) = known else { return rule(&request.recordings) };
+    rule(&without_effects(&request.recordings, known)).map(|ruling| ruling.beside(&known.effects))
+}
+
+/// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.
+pub(super) fn radians(units: &Units) -> Option<f64> {
+    matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
+}
+
+/// The request with one row for each reading of the sensor, and the age of the readings, s. Each row has the drive of
+/// the instant at which the reading was taken. `None` where no age was found: no reading is held, or the sensor's clock
+/// does not explain the best age.
+fn on_the_sensors_clock(request: &Request, settings: &Settings) -> (Request, Option<f64>) {
+    let of = |recordings: &[Recording], holdout: &[Recording]| Request {
+        recordings: Recording::refreshed_together(recordings),
+        holdout: Recording::refreshed_together(holdout),
+        ..request.clone()
+    };
+    let fresh = of(&request.recordings, &request.holdout);
+    let Some(age_s) = reading_age_s(&fresh.recordings, settings) else { return (fresh, None) };
+    let aged = |all: &[Recording], fresh: &[Recording]| -> Vec<Recording> {
+        let held = fresh.iter().map(|own| if own.read_every_s.is_some() { age_s } else { 0.0 });
+        all.iter().zip(held).map(|(recording, age_s)| recording.with_readings_of(age_s)).collect()
+    };
+    let recordings = aged(&request.recordings, &fresh.recordings);
+    (of(&recordings, &aged(&request.holdout, &fresh.holdout)), Some(age_s))
+}
