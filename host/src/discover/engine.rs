@@ -1,8 +1,10 @@
 //! The way through a discovery. The judge rules on the forces. The simulated motion gives parameters and small effects.
 //! What was found is then assembled.
 
+use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
 
+use breakaway_core::plant::effect::Role;
 use breakaway_core::plant::{Base, Kind};
 
 use super::by_force;
@@ -149,18 +151,31 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     Ok(found)
 }
 
-/// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise.
-/// There are none where all names repeat over position, because a simulated rotor is soon off by a tooth. Where random
-/// torque explains what is left, only effects that act in less than a window remain: the forces have weighed the
-/// others. They have not where they hardly tell the inertia, or where they see an effect that is too small to be named.
+/// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
+/// off by a tooth. Where random torque explains what is left, only effects that act in less than a window remain: the
+/// forces have weighed the others. They have not where they hardly tell the inertia, or where they see an effect that is
+/// too small to be named.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
-    let ripples =
-        !ruling.findings.is_empty() && ruling.findings.iter().all(|finding| finding.effect.kind.periodic_in_position());
-    if ripples || found.over_noise() > ROUGH {
+    if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
         return Vec::new();
     }
     let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken();
     Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
+}
+
+/// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. A
+/// simulated rotor then comes to rest in another tooth than the measured one, so its error tells nothing more.
+fn off_by_a_tooth(ruling: &Ruling, found: &Discovery) -> bool {
+    let ripples = ruling.findings.iter().map(|finding| finding.effect.kind);
+    if ruling.findings.is_empty() || !ripples.into_iter().all(Kind::periodic_in_position) {
+        return false;
+    }
+    let wave_numbers = found.model.effects.iter().flat_map(|effect| {
+        let parameters = effect.kind.definition().parameters.iter().zip(effect.p);
+        parameters.filter(|(parameter, _)| parameter.role == Role::WaveNumber).map(|(_, value)| value)
+    });
+    let error = found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
+    error * wave_numbers.fold(0.0, f64::max) > FRAC_PI_2
 }
 
 /// Recordings, starting model and base fit of a discovery over segments of one length.
