@@ -7,8 +7,8 @@
 //! u = kp·e + S      S⁺ = S + ki·e      kp = a·ωc·Ts·R/(1 − a)      ki = ωc·Ts·R
 //! ```
 //!
-//! Of the applied voltage S is `S⁺ = a·S + (1 − a)·u`, R times the current of a winding that has it. So it stays, where u is cut:
-//! the current then goes to its end as fast as the bridge lets it, without the slow pole a.
+//! Of the applied voltage S is `S⁺ = a·S + (1 − a)·u`, R times the current of a winding that has it. So it stays where
+//! u is cut. The current then goes to its end as fast as the bridge lets it, without the slow pole a.
 //!
 //! With L = 0, not known, it is an integral alone. The back-EMF is a disturbance that S makes up for within L/R. The delay from the
 //! reading to the middle of the voltage's hold takes ωc·delay of the phase of 90°
@@ -51,8 +51,9 @@ says! { CurrentLoopError:
 }
 
 impl<F: Real> Winding<F> {
-    /// The largest bandwidth behind a delay of `delay_s` from the reading to the middle of the hold, rad/s: 60° of phase margin. Where
-    /// the inductance is not known, a tenth of it, so that an L/R of up to as many times the delay costs no more than 45°.
+    /// The largest bandwidth behind a delay of `delay_s` from the reading to the middle of the hold, rad/s: 60° of
+    /// phase margin. Where the inductance is not known it is a tenth of that. An L/R of up to ten times the delay then
+    /// costs no more than 45°.
     pub fn largest_bandwidth(&self, delay_s: F) -> F {
         let largest = F::from_f64(core::f64::consts::FRAC_PI_2 - MARGIN) / delay_s;
         if self.inductance > F::ZERO { largest } else { largest.scale(0.1) }

@@ -9,8 +9,8 @@ use super::tuning::Gains;
 pub struct Margins {
     /// Factor by which the loop gain may rise.
     pub gain: f64,
-    /// Factor by which the loop gain may fall (a double integrator with an integral action oscillates if it is too
-    /// low), ≤ 1; 0 if it may vanish.
+    /// Factor by which the loop gain may fall, ≤ 1; 0 if it may vanish. A double integrator with integral action
+    /// oscillates if the gain is too low.
     pub gain_reduction: f64,
     /// Phase margin at the highest crossover, degrees.
     pub phase_deg: f64,

@@ -3,8 +3,8 @@
 //!
 //! Configuration is apart from state: a configuration is built once, in f64, with its checks, and the tick only reads
 //! it. A state is plain data. Everything in the tick is generic over [`Fast`] (f32, f64, Q32) and divides by nothing
-//! that depends on data. In f32 it calls no libm, with two exceptions: a Stribeck exponent other than 2, and the one
-//! square root at the end of a calibration.
+//! that depends on data. In f32 it calls no libm, with two exceptions. They are a Stribeck exponent other than 2, and
+//! the one square root at the end of a calibration.
 //!
 //! ```
 //! use breakaway_core::control::{Controller, ControllerState, Pid, Sine, Trajectory, tune};

@@ -99,8 +99,8 @@ impl<F: Real> Gains<F> {
     }
 
     /// X·ticks by which the integral goes back per drive unit that was cut off, in a tick. The drive unit is
-    /// 1/(b·Kv·Λ1·Ts) of them. The tracking time is 1/√Λ1, the geometric mean of the PID's integral time Λ2/Λ1 and
-    /// derivative time 1/Λ2; at most all of it in a tick. Without an integral 0.
+    /// 1/(b·Kv·Λ1·Ts) of them. The tracking time is 1/√Λ1, at most all of it in a tick. It is the geometric mean of
+    /// the PID's integral time Λ2/Λ1 and derivative time 1/Λ2. Without an integral 0.
     pub(super) fn back_calculation(&self, tick_s: F) -> F {
         if self.lambda1 == F::ZERO {
             return F::ZERO;
@@ -150,8 +150,8 @@ fn acceptable(gains: &Gains, b: f64, c: f64, tick_s: f64, delay_ticks: u32) -> b
 /// seconds, with `delay_ticks` ticks from reading a position to applying the drive computed from it.
 ///
 /// # Errors
-/// [`TuningError`]; a bandwidth past the sampled loop's limit ([`largest_rate`], 30° of phase and a factor of two of
-/// gain in hand) is refused with the largest that is not.
+/// [`TuningError`]. A bandwidth past the sampled loop's limit is refused with the largest that is not. The limit is
+/// [`largest_rate`], 30° of phase and a factor of two of gain in hand.
 pub fn tune(b: f64, c: f64, bandwidth_hz: f64, tick_s: f64, delay_ticks: u32) -> Result<Gains, TuningError> {
     if !(b.is_finite() && b > 0.0) {
         return Err(TuningError::B);

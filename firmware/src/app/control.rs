@@ -24,8 +24,9 @@ pub trait PositionController {
     /// Starts a run at distance 0, which is at this `count`.
     fn start(&mut self, plan: &Self::Plan, count: i32);
 
-    /// One tick, so many counts from the start: the drive in drive codes and the reference in counts from the start; `None` if the
-    /// trajectory is over ([`Self::ending`]), or a number is no longer finite. What the drive may be is in the plan: it is applied as it is.
+    /// One tick, so many counts from the start. Gives the drive in drive codes, and the reference in counts from the
+    /// start. `None` if the trajectory is over ([`Self::ending`]), or a number is no longer finite. What the drive may
+    /// be is in the plan: it is applied as it is.
     fn tick(
         &mut self,
         distance: i32,

@@ -1,4 +1,4 @@
-//! The tick of the Pico 2 alone, with its drivers: `cargo xtask test` builds it, and it links only if no panic can be
+//! The tick of the Pico 2 alone, with its drivers. `cargo xtask test` builds it. It links only if no panic can be
 //! reached from the tick.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

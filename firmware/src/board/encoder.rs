@@ -12,8 +12,8 @@ pub trait Encoder {
     fn count(&mut self) -> Result<i32, Self::Error>;
 }
 
-/// Counts moved from `earlier` to `later`, two readings of one [`Encoder`] less than 2³¹ counts apart; the wrap of
-/// the counter between them does not matter.
+/// Counts moved from `earlier` to `later`, two readings of one [`Encoder`] less than 2³¹ counts apart. The wrap of the
+/// counter between them does not matter.
 #[must_use]
 pub fn travel(earlier: i32, later: i32) -> i32 {
     later.wrapping_sub(earlier)

@@ -5,8 +5,8 @@
 //! - To the thread beside it, a [`Wire`] for the link and a flash (`embedded_storage::nor_flash`).
 //!
 //! PWM and pins are those of embedded-hal 1.0, so that any HAL's types fit. It has no traits for encoders and clocks,
-//! so these are our own. A board file implements them and a `bin/` ties them together: it makes the
-//! [`crate::app::Channels`], gives one end to the tick's interrupt and the other to the thread.
+//! so these are our own. A board file implements them, and a `bin/` ties them together. It makes the
+//! [`crate::app::Channels`], and gives one end to the tick's interrupt and the other to the thread.
 
 mod clock;
 mod drive;

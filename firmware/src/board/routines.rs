@@ -1,7 +1,7 @@
 //! Routines that the compiler calls, in 290 bytes in place of compiler-builtins' 4.4 KB, which are built for speed
-//! whatever the image is built for. They are `memcpy` and its like without unrolled loops (the longest copy in a tick
-//! has some hundred bytes, and goes by eight words), and the division of 64-bit integers bit by bit (reports
-//! of faults, settings; 600 instructions).
+//! whatever the image is built for. They are `memcpy` and its like without unrolled loops, and the division of 64-bit
+//! integers bit by bit. The longest copy in a tick has some hundred bytes, and goes by eight words. Reports of faults
+//! and settings divide, in 600 instructions.
 //!
 //! In assembly, as a loop in Rust that copies becomes a call of `memcpy`. ARMv7-M reads and writes words at any address.
 

@@ -39,7 +39,7 @@ pub enum DriveError {
 
 /// Sign and magnitude on separate inputs: direction high is positive, enable high lets the stage drive.
 ///
-/// The motor gets `sgn(command) · max(0, duty − dead time) / full duty` of the supply, where `duty` is the command's
+/// The motor gets `sgn(command) · max(0, duty − dead time) / full duty` of the supply. There `duty` is the command's
 /// magnitude rounded to the nearest PWM count, not above the limit.
 pub struct SignMagnitude<P, D, E> {
     pwm: P,

@@ -147,8 +147,9 @@ fn pushed(supply: f64) -> (Bench, Winding) {
     (bench, Winding { supply, ..Winding::MOTOR })
 }
 
-/// 60° of phase: the step overshoots by less than a twelfth, and is there after ten time constants of the loop (1.9 ms each), to a mA of
-/// the reading and one of the drive code. What is recorded as drive is the current that was asked for.
+/// With 60° of phase the step overshoots by less than a twelfth. It is there after ten time constants of the loop, 1.9
+/// ms each, to a mA of the reading and one of the drive code. What is recorded as drive is the current that was asked
+/// for.
 #[test]
 fn the_current_loop_follows_a_step() {
     let (mut bench, mut winding) = pushed(5.0);

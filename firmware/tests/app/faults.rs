@@ -281,7 +281,8 @@ fn a_run_ends_braked_where_the_settings_say_so() {
     }
 }
 
-/// A debugger halts the core for 50 ms in mid-run, and lets it go on: the drive is off before the first tick after it drives.
+/// A debugger halts the core for 50 ms in mid-run, and lets it go on. The drive is off before the first tick after it
+/// drives.
 #[test]
 fn a_halt_of_the_core_is_not_driven_on() {
     let mut bench = running();

@@ -99,7 +99,7 @@ fn set_points_that_come_faster_than_real_time_are_all_followed() {
     check::<Q32>();
 }
 
-/// Where the set-points stop in full motion, the reference stands still at the last one for `hold_ticks`; then the run
+/// Where the set-points stop in full motion, the reference stands still at the last one for `hold_ticks`. Then the run
 /// ends, off or braked as the settings say. It is a limit: the next run may start.
 #[test]
 fn set_points_that_run_dry_are_held_and_end_the_run() {

@@ -77,8 +77,8 @@ fn limits_are_not_faults() {
     }
 }
 
-/// A motor that is blocked under a drive too small for the encoder's guard (frozen_drive_code, 25 %), by the default settings: the
-/// mean over about a second passes 12.5 %.
+/// A motor is blocked under a drive too small for the encoder's guard (frozen_drive_code, 25 %), by the default
+/// settings. The mean over about a second passes 12.5 %.
 #[test]
 fn the_default_mean_drive_protects_a_stalled_motor() {
     let settings = Settings { position_per_count: settings().position_per_count, ..Settings::default() };

@@ -154,9 +154,9 @@ fn two_ticks() -> Gains {
     Gains { filter_s: 2.0 * TICK, ..tune(START.b, START.c, 8.0, TICK, 1).unwrap() }
 }
 
-/// A δ far below what a count makes of the filtered difference (0.02 of 0.33 rad/s) lets the law adapt to rounding,
-/// whose mean drives b̂ up. The test runs for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the drive's rms
-/// in the first and the last minute.
+/// Here δ is far below what a count makes of the filtered difference (0.02 of 0.33 rad/s). The law then adapts to
+/// rounding, whose mean drives b̂ up. The test runs for 8 min, 1 rad at 0.25 Hz behind 1 mrad. Returns b̂/b and the
+/// drive's rms in the first and the last minute.
 fn eight_minutes(delta: f64, rate_of_b: f64) -> (f64, f64, f64) {
     const STEP: f64 = 1e-3;
     const MINUTE: u32 = 60_000;
@@ -195,7 +195,8 @@ fn the_largest_b_is_the_one_of_the_sampled_loop() {
         "delta 0.02: b̂/b {over:.2} of {most:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth"
     );
     assert!(over <= most * (1.0 + 1e-12) && last < 2.5 * first, "{over} {first} {last}");
-    // The least δ, and b̂ at a tenth of the rate as `tune` has it: nothing is learnt of the rounding that a tenth would show.
+    // The least δ, and b̂ at a tenth of the rate as `tune` has it. A tenth of that δ would show the rounding; nothing
+    // is learnt of it here.
     let (over, first, last) = eight_minutes(least_delta(1e-3, &two_ticks(), TICK), 0.1);
     std::println!("least delta: b̂/b {over:.2}, drive {first:.3} V rms in the first minute, {last:.3} V in the eighth");
     assert!((over - 1.0).abs() < 0.1 && (last / first - 1.0).abs() < 0.02, "{over} {first} {last}");

@@ -18,8 +18,8 @@ fn designed<R: Real>(winding: Winding) -> CurrentLoop<R> {
     CurrentLoop::new(&winding, 0.0, TICK_S, DELAY_S, 1.0, 1.0).unwrap()
 }
 
-/// A step of the reference in a voltage of at most ±`limit`, the voltage taking hold a quarter of a tick after the reading: currents at the
-/// ticks. `back_emf` is added from the middle on.
+/// Currents at the ticks after a step of the reference, in a voltage of at most ±`limit`. The voltage takes hold a
+/// quarter of a tick after the reading. `back_emf` is added from the middle on.
 fn step<R: Real>(design: Winding, truth: Winding, reference: f64, limit: f64, back_emf: f64) -> Vec<f64> {
     let control = designed::<R>(design);
     let mut state = CurrentLoopState::default();
@@ -61,8 +61,9 @@ fn it_is_the_formula() {
     assert!((scaled.proportional / control.proportional - 32.767 / 5.0).abs() < 1e-9);
 }
 
-/// The largest bandwidth has 60° of phase: the step overshoots by at most a twelfth, and is within 1 % after 3 ms (20 of the loop's time
-/// constants). A back-EMF E makes an error of at most E/kp, which decays with L/R, and with ωc where that is slower.
+/// The largest bandwidth has 60° of phase. The step overshoots by at most a twelfth. It is within 1 % after 3 ms, 20
+/// of the loop's time constants. A back-EMF E makes an error of at most E/kp, which decays with L/R, and with ωc where
+/// that is slower.
 #[test]
 fn a_step_is_followed_at_any_inductance_and_a_back_emf_is_made_up_for() {
     for inductance in [2e-2, 2e-3, 2e-4, 2e-5] {
@@ -87,8 +88,9 @@ fn from_the_resistance_alone_it_is_slower_and_stable() {
     }
 }
 
-/// At a voltage that only just suffices the integral does not wind up: after it the current does not overshoot more than without a limit.
-/// A reversal that is cut for some ticks has none of the slow pole a behind it: 20 ticks later 1 % is left, as of one that is not cut.
+/// At a voltage that only just suffices the integral does not wind up: after it the current does not overshoot more
+/// than without a limit. A reversal that is cut for some ticks has none of the slow pole a behind it. After 20 ticks 1
+/// % is left, as of one that is not cut.
 #[test]
 fn the_integral_goes_back_by_what_is_cut_off() {
     let free = step::<f64>(WINDING, WINDING, 0.5, f64::INFINITY, 0.0);
@@ -155,9 +157,9 @@ fn past_and_missed(currents: &[f64], reference: f64) -> (f64, f64) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
 
-    /// Any winding of 10 mΩ to 100 Ω and L/R of 0.01 to 1000 ticks (1 µs to 0.1 s): with its own numbers a step goes past by at most a
-    /// twelfth and is reached to 1e-6. A back-EMF of a tenth of R·i leaves 2e-4 of i after 20 ms at the most: its error 0.1·R·i/(ωc·L)
-    /// decays with L/R, and the product is the largest where L/R is these 20 ms.
+    /// Windings of 10 mΩ to 100 Ω, with L/R of 0.01 to 1000 ticks (1 µs to 0.1 s). With its own numbers a step goes
+    /// past by at most a twelfth, and is reached to 1e-6. A back-EMF of a tenth of R·i leaves 2e-4 of i after 20 ms at
+    /// the most. Its error 0.1·R·i/(ωc·L) decays with L/R. The product is the largest where L/R is these 20 ms.
     #[test]
     fn any_winding_is_driven(log_r in -2.0..2.0_f64, log_tau in -2.0..3.0_f64, amperes in 0.05..50.0_f64) {
         let resistance = libm::pow(10.0, log_r);
@@ -168,7 +170,8 @@ proptest! {
         prop_assert!((currents[399] / amperes - 1.0).abs() < 3e-4, "{}", currents[399]);
     }
 
-    /// A name plate that is off by up to 30 % in R and L, either way: it still settles, to 1 %, and goes past by less than 40 %.
+    /// A name plate may be off by up to 30 % in R and L, either way. The current still settles, to 1 %, and goes past
+    /// by less than 40 %.
     #[test]
     fn a_name_plate_may_be_off(log_tau in -1.0..2.0_f64, r in 0.7..1.3_f64, l in 0.7..1.3_f64) {
         let inductance = 2.0 * libm::pow(10.0, log_tau) * TICK_S;
@@ -178,7 +181,8 @@ proptest! {
         prop_assert!(past < 0.4 && missed < 0.01, "past by {past}, missed by {missed}");
     }
 
-    /// A bridge of 1.05 to 3 times R·i: cut off for as long as it is, the current goes past by no more than without a limit, and settles.
+    /// A bridge of 1.05 to 3 times R·i cuts the voltage off. The current goes past by no more than without a limit,
+    /// and settles.
     #[test]
     fn a_cut_voltage_winds_nothing_up(log_tau in -1.0..1.0_f64, headroom in 1.05..3.0_f64) {
         let winding = Winding { resistance: 2.0, inductance: 2.0 * libm::pow(10.0, log_tau) * TICK_S };

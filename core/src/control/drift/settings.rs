@@ -54,10 +54,10 @@ impl<F: Real> DriftSettings<F> {
     /// Settings that find a rise of f1 by 30 % along a motion as soon as this encoder allows.
     ///
     /// A stroke lasts π·speed/acceleration (a sine's half period, a lower bound for profiles; a second if there is no
-    /// acceleration). ωo is 60 per stroke and 30 rad/s at least, less where its trembling by ωo·Δ would pass a tenth
-    /// of the speed, never above 0.1/Ts. In the shortest block 30 % of f1 is eight times the encoder's noise; a
-    /// stroke holds at least two blocks. The slack is 1 and the alarm at 12. Calibration takes a stroke and a half,
-    /// 12 blocks at least. The scale is that of half an encoder step of noise or 2 % of f1 at least.
+    /// acceleration). ωo is 60 per stroke and 30 rad/s at least. It is less where its trembling by ωo·Δ would pass a
+    /// tenth of the speed. It is never above 0.1/Ts. In the shortest block 30 % of f1 is eight times the encoder's
+    /// noise; a stroke holds at least two blocks. The slack is 1 and the alarm at 12. Calibration takes a stroke and a
+    /// half, 12 blocks at least. The scale is that of half an encoder step of noise or 2 % of f1 at least.
     ///
     /// # Errors
     /// [`DriftError::Motion`]: no motion, or too slow or too short for encoder and tick.

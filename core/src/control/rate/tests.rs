@@ -66,8 +66,8 @@ fn the_rate_of_a_count() {
 }
 
 proptest! {
-    /// Whatever the signal, the rate is within the largest difference. f32 and Q32 agree with f64 to the rounding of
-    /// e over the observer's gain, which is at most 1: 6e-8 of 1 rad, a few times over.
+    /// Whatever the signal, the rate is within the largest difference. f32 and Q32 agree with f64 to the rounding of e
+    /// over the observer's gain, which is at most 1. That is 6e-8 of 1 rad, a few times over.
     #[test]
     fn it_is_bounded_and_scalars_agree(
         errors in prop::collection::vec(-1.0..1.0_f64, 2..200), observer in 10.0..1e5_f64, filter in 0.0..1e-2_f64,

@@ -4,8 +4,8 @@ use super::Setpoint;
 use crate::control::fast::Fast;
 use crate::scalar::Real;
 
-/// `x(s) = x0 + s·(a1 + s·(a2 + s·a3))` with s from 0 to 1 over the piece's duration T:
-/// `a1 = v0·T`, `a2 = 3Δ − (2·v0 + v1)·T`, `a3 = (v0 + v1)·T − 2Δ`, `Δ = x1 − x0` (cubic Hermite interpolation).
+/// `x(s) = x0 + s·(a1 + s·(a2 + s·a3))` with s from 0 to 1 over the piece's duration T. This is cubic Hermite
+/// interpolation: `a1 = v0·T`, `a2 = 3Δ − (2·v0 + v1)·T`, `a3 = (v0 + v1)·T − 2Δ`, `Δ = x1 − x0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic<R> {
     x0: R,

@@ -95,8 +95,8 @@ fn samples_give_their_derivatives() {
     assert_eq!(Samples::<f64>::new(&[], 1e-2).err(), Some(TrajectoryError::Empty));
 }
 
-/// f32 and Q32 against f64. f32 rounds x to 6e-8 of its size; Q32 rounds the tick to 1.2e-10 s, which 2000 of them
-/// make 2.4e-7; velocities and accelerations are larger by ω and ω².
+/// f32 and Q32 against f64. f32 rounds x to 6e-8 of its size. Q32 rounds the tick to 1.2e-10 s, which 2000 of them
+/// make 2.4e-7. Velocities and accelerations are larger by ω and ω².
 #[test]
 fn scalars_agree() {
     let (a, b, c) = (

@@ -14,8 +14,8 @@ fn crossover_and_phase_are_those_of_the_design() {
             std::println!("{b} {c} {d}: {found:?}");
             // The filter is on ė alone, which turns it against the rest: |L| at ωc changes by 5 %.
             assert!((found.crossover_rad_s / w - 1.0).abs() < 0.07, "{found:?}");
-            // Continuous: 2·atan 4 − 90° with c = 0, more with it; the filter takes 7°, half a tick of hold, half of
-            // difference and the delay ωc·(1 + d)·Ts.
+            // Continuous: 2·atan 4 − 90° with c = 0, more with it. The filter takes 7°. Half a tick of hold, half of
+            // difference and the delay take ωc·(1 + d)·Ts.
             let lost = 7.2 + (w * (1.0 + f64::from(d)) * 1e-3).to_degrees();
             assert!(found.phase_deg > 61.9 - lost - 1.0 && found.gain > 2.0, "{found:?} {lost}");
             assert!((found.delay_s - found.phase_deg.to_radians() / found.crossover_rad_s).abs() < 1e-9);
@@ -109,7 +109,8 @@ fn the_largest_rate_is_that_of_tick_and_delay() {
     }
 }
 
-/// Every gain by itself: what is not finite or negative, and a Kv or a Λ2 of 0, are refused; a Λ1 or a filter of 0 is not.
+/// Every gain by itself. What is not finite or negative, and a Kv or a Λ2 of 0, are refused. A Λ1 or a filter of 0 is
+/// not.
 #[test]
 fn every_gain_is_checked() {
     let good = Gains { b: 1.0, kv: 10.0, lambda1: 0.0, lambda2: 10.0, filter_s: 0.0, observer_rad_s: 0.0 };

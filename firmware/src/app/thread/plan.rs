@@ -60,8 +60,8 @@ impl Planner for NoController {
 
 /// From a reading to its drive, whole ticks: it is applied in the same one.
 const DELAY_TICKS: u32 = 0;
-/// From the reading of the current to the middle of the voltage's hold, ticks: at most half of one until the PWM takes it over, and half of
-/// the hold.
+/// From the reading of the current to the middle of the voltage's hold, ticks. At most half of one passes until the
+/// PWM takes it over; the rest is half of the hold.
 const CURRENT_DELAY_TICKS: f32 = 1.0;
 /// Inertia of a compensator that is to have none: its product with any acceleration is nothing.
 const NO_INERTIA: f32 = 1e-30;

@@ -105,8 +105,8 @@ pub fn open_all_switches() {
 /// Flag of the second break (RM0440, TIM1_SR, B2IF); the crate of the registers does not name it.
 const SECOND_BREAK: u32 = 1 << 8;
 
-/// What has switched TIM1 off since it was last asked, or does so now: the pin, a break of the system, or an over-current above
-/// `level_ma`.
+/// What has switched TIM1 off since it was last asked, or does so now. It is the pin, a break of the system, or an
+/// over-current above `level_ma`.
 pub fn take_break(level_ma: u32) -> Option<Trip> {
     let flags = pac::TIM1.sr().read();
     let (pin, system, current) = (flags.bif(0), flags.sbif(), flags.0 & SECOND_BREAK != 0);

@@ -77,15 +77,15 @@ pub const CURRENT_RANGE_MA: u32 = (CURRENT_RANGE_CODES as u64 * MA_PER_CODE_Q16 
 /// ADC1's channels of the amplifier's output: IN7 is PC1 (A4), IN12 is PB1. The first is an input of COMP3, the second of COMP1
 /// (DS12288, pin definitions; RM0440, COMP, input assignment).
 pub const CURRENT_CHANNELS: [u8; 2] = [7, 12];
-/// TIM1's channel 4 triggers the ADC so many counts before the counter is lowest. That is the first sample's time, 24.5 clocks of
-/// 42.5 MHz: what is held is the value at its end, in the middle of the pulse. The source may have some 5 kΩ (DS12288).
+/// TIM1's channel 4 triggers the ADC so many counts before the counter is lowest. That is the first sample's time, 24.5
+/// clocks of 42.5 MHz. The value at its end is held, in the middle of the pulse. The source may have some 5 kΩ (DS12288).
 pub const CURRENT_TRIGGER: u16 = 98;
 /// What the ADC should read without a current, codes.
 pub const CURRENT_MIDDLE: u16 = 2_048;
 /// By how much it may be off, codes: 3 % of the 3.3 V, for a divider of 1 % and the offset of amplifier and ADC.
 pub const CURRENT_OFFSET: u16 = 123;
-/// By how much both pins may differ, codes: 64 mA. They are sampled 0.9 µs apart, in which the current of a winding of 0.5 mH
-/// changes by 42 mA at 24 V; the rest is noise.
+/// By how much both pins may differ, codes: 64 mA. They are sampled 0.9 µs apart. The current of a winding of 0.5 mH
+/// changes by 42 mA in that time at 24 V; the rest is noise.
 pub const CURRENT_PAIR: u16 = 40;
 /// Ticks in a row in which they differ by more before the measurement counts as broken.
 pub const CURRENT_PAIR_TICKS: u8 = 3;

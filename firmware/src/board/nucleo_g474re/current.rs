@@ -1,5 +1,5 @@
-//! The motor's current, from a shunt amplifier in the motor's lead on two pins (RM0440, ADC): ADC1 converts both when TIM1's counter
-//! is lowest, once per period of the PWM.
+//! The motor's current, from a shunt amplifier in the motor's lead on two pins (RM0440, ADC). ADC1 converts both when
+//! TIM1's counter is lowest, once per period of the PWM.
 //!
 //! That is the middle of the pulse, where the ripple of the current is at its mean. The two pins are joined: what the
 //! comparators see is what is measured, and a wire that is off shows as a difference.

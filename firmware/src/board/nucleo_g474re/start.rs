@@ -98,8 +98,9 @@ fn boost() {
     pac::PWR.cr5().modify(|range| range.0 &= !R1_MODE);
 }
 
-/// From half of [`CORE_HZ`], at which the HAL leaves the core, to all of it. A jump above 80 MHz in one step would dip the core's
-/// voltage: a microsecond at half of it comes first (RM0440, RCC, system clock selection). Prefetch is on from here.
+/// From half of [`CORE_HZ`], at which the HAL leaves the core, to all of it. A jump above 80 MHz in one step would dip
+/// the core's voltage. So a microsecond at half of it comes first (RM0440, RCC, system clock selection). Prefetch is
+/// on from here.
 fn full_speed() {
     pac::FLASH.acr().modify(|access| {
         access.set_latency(Latency::WS4);

@@ -11,8 +11,8 @@
 //! driven or braked in each period, and its mean voltage is the duty whatever its current is. Between drive and coast
 //! it would not be. No duty is both high, which brakes.
 
-/// The compare word of the slice for a duty of `counts`, of `full`: channel A (IN1) in the lower half, B (IN2) in the
-/// upper one. A channel is high for so many counts of a period's `full`; all of them is high without a pulse.
+/// The compare word of the slice for a duty of `counts`, of `full`. Channel A (IN1) is in the lower half, B (IN2) in
+/// the upper one. A channel is high for so many counts of a period's `full`; all of them is high without a pulse.
 #[must_use]
 pub fn compare(positive: bool, counts: u16, full: u16) -> u32 {
     let pulsed = full.saturating_sub(counts);

@@ -1,7 +1,7 @@
 //! Raspberry Pi Pico 2 with a DRV8871-class bridge and a quadrature encoder: docs/board-pico2.md.
 //!
-//! What needs no registers builds for every target and is tested on the host: the constants, the encoder's program,
-//! the levels of the bridge's inputs, the pages of the flash. The registers are in `chip`.
+//! What needs no registers builds for every target and is tested on the host. These are the constants, the encoder's
+//! program, the levels of the bridge's inputs, and the pages of the flash. The registers are in `chip`.
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code, reason = "registers, interrupt and retained RAM of the board")]

@@ -1,6 +1,6 @@
-//! The emergency stop. The PWM of the RP2350 has no break input, so an interrupt above all others does what the
-//! hardware does on the NUCLEO: it holds both inputs of the bridge low. The tick sees the pin as well, 100 µs later at
-//! the most, and latches the fault.
+//! The emergency stop. The PWM of the RP2350 has no break input. So an interrupt above all others holds both inputs of
+//! the bridge low, as the hardware does on the NUCLEO. The tick sees the pin as well, 100 µs later at the most, and
+//! latches the fault.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 

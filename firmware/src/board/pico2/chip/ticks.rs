@@ -1,5 +1,5 @@
 //! The tick's interrupt, from a PWM slice that has no pins. It starts with the bridge's slice, and a tick takes two of
-//! that one's periods: what a tick sets is taken over at the end of the first, 50 µs after the tick's start.
+//! that one's periods. The bridge takes over what a tick sets at the end of the first, 50 µs after the tick's start.
 
 use core::sync::atomic::{AtomicPtr, Ordering};
 
