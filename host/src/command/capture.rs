@@ -30,10 +30,12 @@ const POLL: Duration = Duration::from_millis(50);
 #[command(after_help = "Example:
   breakaway capture --port /dev/ttyACM0 -o recording.csv
   breakaway capture --port /dev/ttyACM0 --seconds 10 --decimation 10 -o recording.csv
+  breakaway capture --port /dev/ttyACM0 --seconds 10 -o recording.mcap
 
 Ctrl-C ends the capture and closes the file properly. Until then the samples are in REC.csv.part, which is a valid
 recording at every moment. Lost samples are counted and never filled in. The header's `gaps` names
-the rows before which samples are missing, and the estimators cut the recording there.
+the rows before which samples are missing, and the estimators cut the recording there. A name that ends in .mcap or
+.parquet gives such a file at the end, for PlotJuggler, Foxglove or pandas; its columns are named with their units.
 
 `breakaway monitor` in another terminal watches, and --monitor in this one. `breakaway device stop` stops what is running.
 

@@ -21,7 +21,7 @@ use crate::file::{inside, make_folder};
 use crate::identify::relay::{self, RelayReport};
 use crate::interrupt::finish_first;
 use crate::model::{BaseSe, Model};
-use crate::recording::Units;
+use crate::recording::{Container, Units};
 use crate::simulate::axis::Axis;
 use crate::simulate::experiment::{Experiment, Sensor};
 use crate::simulate::suite::{self, Machine, Role};
@@ -32,6 +32,7 @@ use crate::simulate::suite::{self, Machine, Role};
   breakaway run suite --model model.toml -o session
   breakaway run relay.toml -o session
   breakaway run suite --port /dev/ttyACM0 -o session
+  breakaway run relay.toml --format mcap -o session
 
 Without --model it simulates the reference plant of docs/theory.md, section 2: b = 0.02685 V·s²/rad, c = 0.11 V·s/rad, f1 = 0.5 V. The suite finds
 the break-away force first and sizes itself; recordings to fit go to DIR/fit, those to score to DIR/score. A folder
@@ -64,6 +65,9 @@ pub struct Args {
     /// Folder for the recordings
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Form of the recordings
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Container,
     /// Suite: largest drive, drive units
     #[arg(long, value_name = "U", default_value_t = 5.0, value_parser = positive)]
     pub drive_limit: f64,
@@ -177,7 +181,7 @@ impl Args {
             (true, Role::Score) => (self.output.join("score"), "score"),
         };
         make_folder(&folder)?;
-        Ok((inside(&folder, name, "csv")?, role))
+        Ok((inside(&folder, name, self.format.ending())?, role))
     }
 
     fn run_on_board(self, port: &str, file: Option<Experiment>, output: Output) -> anyhow::Result<()> {

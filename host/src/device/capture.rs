@@ -5,7 +5,7 @@
 //! not cost what was received before.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 use breakaway_core::link::{Batch, Info};
@@ -14,7 +14,7 @@ use super::DeviceError;
 use super::scale::{Scale, amperes};
 use super::stream::{Row, Stream, Totals};
 use crate::file::write_whole;
-use crate::recording::CURRENT;
+use crate::recording::{CURRENT, Container};
 
 /// Gaps that the header lists one by one; a link worse than that is of no use.
 const MOST_GAPS: usize = 100_000;
@@ -145,11 +145,10 @@ impl Capture {
             return Ok(false);
         }
         let header = self.header(ended);
-        write_whole(&self.path, |out| {
-            out.write_all(header.as_bytes())?;
+        write_whole(&self.path, |mut out| {
             let mut part = io::BufReader::new(File::open(&self.part)?);
             skip_header(&mut part, self.columns())?;
-            io::copy(&mut part, out).map(|_| ())
+            Container::of(&self.path).write(header.as_bytes().chain(part), &mut out)
         })
         .map_err(|source| DeviceError::Write { file: self.path.display().to_string(), reason: source })?;
         // The recording is safe; a part that does not go is only in the way of the next one, which says so.

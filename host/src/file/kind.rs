@@ -7,7 +7,7 @@ pub(super) const HEAD_BYTES: usize = 8192;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FileKind {
-    /// A recording, CSV.
+    /// A recording: CSV, MCAP or Parquet.
     Recording,
     /// A model, TOML.
     Model,
@@ -55,7 +55,10 @@ impl FileKind {
         let below = || text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
         let starts = |mark: &str| text.starts_with(mark);
         match self {
-            Self::Recording => comments().any(|line| line.starts_with("# units: ")) && below().starts_with("t,u,x"),
+            Self::Recording => {
+                let of_words = || comments().any(|line| line.starts_with("# units: ")) && below().starts_with("t,u,x");
+                LOG_MARKS.iter().any(|mark| head.starts_with(mark)) && text.contains("breakaway ") || of_words()
+            }
             Self::Model => comments().any(|line| {
                 let on_a_board = line.starts_with("# read from ") && line.contains(", firmware ");
                 on_a_board || MODEL_MARKS.iter().any(|mark| line.starts_with(mark))
@@ -72,6 +75,8 @@ impl FileKind {
     }
 }
 
+/// How log files begin that hold a recording; the program that wrote them stands at their beginning or at their end.
+pub(super) const LOG_MARKS: [&[u8]; 2] = [b"\x89MCAP", b"PAR1"];
 /// How a comment of a model begins that was identified or discovered.
 const MODEL_MARKS: [&str; 2] = ["# identified by breakaway ", "# discovered by breakaway "];
 /// What stands at the top of a model for another program.

@@ -3,10 +3,10 @@
 use std::ffi::OsString;
 use std::fmt;
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek as _, Write};
 use std::path::{Component, Path, PathBuf};
 
-use super::kind::{FileKind, HEAD_BYTES};
+use super::kind::{FileKind, HEAD_BYTES, LOG_MARKS};
 use super::{can_write, write_whole};
 
 /// Where a command writes a file: in the file system, or standard output (`-`).
@@ -198,10 +198,15 @@ fn place(path: &Path) -> PathBuf {
     })
 }
 
-/// The first bytes of a file.
+/// The first bytes of a file, and the last ones of a log file, which may say there who wrote it.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
-    let mut head = Vec::new();
-    fs::File::open(path)?.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    let (mut file, mut head) = (fs::File::open(path)?, Vec::new());
+    (&mut file).take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    if LOG_MARKS.iter().any(|mark| head.starts_with(mark)) {
+        let end = file.metadata()?.len().saturating_sub(HEAD_BYTES as u64);
+        file.seek(io::SeekFrom::Start(end))?;
+        file.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    }
     Ok(head)
 }
 

@@ -6,6 +6,7 @@
 
 mod angle;
 mod clock;
+mod container;
 mod error;
 mod field;
 pub mod formats;
@@ -35,6 +36,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub use clock::TimeUnit;
+pub use container::Container;
 pub use error::{ClockError, ListError, LogError, Place, RecordingError, SessionError};
 pub use formats::Format;
 pub use held::Held;

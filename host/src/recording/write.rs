@@ -4,17 +4,25 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::header::one_line;
-use super::{CURRENT, Recording, RecordingError};
+use super::{CURRENT, Container, Recording, RecordingError};
 use crate::file::{FileError, write_whole};
 
 impl Recording {
-    /// Writes the recording to `path`, whole or not at all. It has the columns `t,u,x`, and `i_A` where there is a current.
-    /// The header has units and provenance.
+    /// Writes the recording to `path`, whole or not at all, in the form that the name's ending asks for ([`Container`]).
+    /// It has the columns `t,u,x`, and `i_A` where there is a current. The header has units and provenance.
     ///
     /// # Errors
     /// [`FileError::Write`]; a file already there is then untouched.
     pub fn write(&self, path: &Path) -> Result<(), RecordingError> {
-        write_whole(path, |mut out| self.write_to(&mut out)).map_err(|source| FileError::writing(path, &source).into())
+        let written = write_whole(path, |mut out| match Container::of(path) {
+            Container::Csv => self.write_to(&mut out),
+            other => {
+                let mut csv = Vec::new();
+                self.write_to(&mut csv)?;
+                other.write(&csv[..], &mut out)
+            }
+        });
+        written.map_err(|source| FileError::writing(path, &source).into())
     }
 
     /// Writes the recording as CSV. Floats have the fewest digits that give the same bits back.

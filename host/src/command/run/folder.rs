@@ -8,7 +8,11 @@ use super::Args;
 use crate::command::console;
 use crate::command::output::Output;
 use crate::file::{FileKind, TargetError, inside, may_write};
+use crate::recording::Container;
 use crate::simulate::experiment::Experiment;
+
+/// Endings of recordings.
+const ENDINGS: [&str; 3] = [Container::Csv.ending(), Container::Mcap.ending(), Container::Parquet.ending()];
 
 impl Args {
     /// Checks before the axis moves what is to be written: the recording of one experiment, or a suite's session.
@@ -22,7 +26,7 @@ impl Args {
             return Ok(());
         };
         let inputs: Vec<&Path> = [Path::new(&self.experiment)].into_iter().chain(self.model.as_deref()).collect();
-        let path = inside(folder, &experiment.name, "csv")?;
+        let path = inside(folder, &experiment.name, self.format.ending())?;
         if path.exists() {
             output.may_write(&path, FileKind::Recording, &inputs)?;
         }
@@ -33,7 +37,9 @@ impl Args {
     fn session(&self) -> Vec<PathBuf> {
         let files = ["fit", "score"].into_iter().filter_map(|part| std::fs::read_dir(self.output.join(part)).ok());
         let paths = files.flatten().filter_map(|entry| Some(entry.ok()?.path()));
-        let mut found: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == "csv")).collect();
+        let mut found: Vec<PathBuf> = paths
+            .filter(|path| ENDINGS.iter().any(|ending| path.extension().is_some_and(|own| own == *ending)))
+            .collect();
         found.sort();
         found
     }
