@@ -25,7 +25,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("device-fault", of::<device::documents::Fault>()),
         ("device-identify", of::<device::documents::Identified>()),
         ("device-info", of::<device::documents::Info<'_>>()),
-        ("device-list", of::<Vec<device::documents::Port<'_>>>()),
+        ("device-list", of::<Vec<device::documents::Entry<'_>>>()),
         ("device-model", of::<device::documents::Model<'_>>()),
         ("device-moved", of::<device::documents::Moved>()),
         ("device-settings", of::<device::documents::Settings>()),

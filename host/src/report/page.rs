@@ -78,6 +78,7 @@ figure svg[tabindex]{user-select:none;-webkit-user-select:none;outline:none} fig
 .readout{position:absolute;z-index:1;pointer-events:none;max-width:60%;background:var(--paper);border:1px solid var(--rule);border-radius:6px;padding:5px 9px;font-size:13px;line-height:1.45;font-variant-numeric:tabular-nums;box-shadow:0 2px 8px #0003;opacity:.94}
 .readout .row:not(:has(i)){font-weight:640} .readout i{display:inline-block;width:9px;height:9px;border-radius:50%;margin-right:6px}
 button.whole{position:absolute;right:0;top:0;font:inherit;font-size:13px;color:var(--after);background:var(--paper);border:1px solid var(--after);border-radius:6px;padding:2px 9px;cursor:pointer}
+.narrow .whole{top:-28px}
 [hidden]{display:none!important}
 .narrow{display:none}
 @media (max-width:640px){main{padding:18px 16px 40px}h1{font-size:22px}.wide{display:none}.narrow{display:block}dl.facts{gap:10px 22px}table{font-size:14px}th,td{padding-right:10px}th.n{white-space:normal}td:first-child{min-width:6.5em}td.w{min-width:11em}}

@@ -18,7 +18,7 @@ function axis(json) {
       const powers = Array.from({ length: 40 }, (_, i) => 10 ** (Math.floor(Math.log10(from)) + i));
       return powers.filter(v => v >= from && v <= to).map(v => [place(v), text(v, v)]);
     }
-    const step = decade * [1, 2, 2.5, 5, 10].find(m => m * decade >= 0.7 * rough), first = Math.ceil(from / step - 1e-9);
+    const step = decade * [1, 2, 2.5, 5, 10].find(m => m * decade >= 0.9 * rough), first = Math.ceil(from / step - 1e-9);
     const fine = decimals(step) < decimals(step / 10) && step / decade === 2.5 ? step / 10 : step;
     return Array.from({ length: Math.floor(to / step + 1e-9) - first + 1 }, (_, i) => (first + i) * step)
       .map(v => [place(v), text(v, fine)]);
@@ -92,7 +92,7 @@ function draw(p, range) {
     p[`${name}Whole`] ??= group.innerHTML;
     if (whole) { group.innerHTML = p[`${name}Whole`]; continue; }
     const labels = p[`${name}Whole`].includes('<text'), bottom = p.top + p.height, right = p.left + p.width;
-    const ticks = horizontal ? p.x.ticks(view.a, view.b, p.width / 75) : p.y.ticks(view.c, view.d, Math.max(3, p.height / 45));
+    const ticks = horizontal ? p.x.ticks(view.a, view.b, p.width / 85) : p.y.ticks(view.c, view.d, Math.max(3, p.height / 45));
     group.innerHTML = ticks.map(([share, label]) => horizontal
       ? `<path class="grid" d="M${px(share)} ${p.top}V${bottom}"/>${labels ? `<text class="tick" x="${px(share)}" y="${bottom + 17}" text-anchor="${px(share) > right - 8 ? 'end' : 'middle'}">${label}</text>` : ''}`
       : `<path class="grid" d="M${p.left} ${py(share)}H${right}"/><text class="tick" x="${p.left - 6}" y="${py(share) + 4}" text-anchor="end">${label}</text>`).join('');
@@ -193,7 +193,9 @@ function figure(svg) {
     show(Math.min(from[0], to[0]), Math.max(from[0], to[0]), ...y);
   });
   svg.addEventListener('pointercancel', () => { down = null; });
-  svg.addEventListener('pointerleave', () => { if (!down) hide(); });
+  // A finger that is lifted leaves what it pointed at.
+  svg.addEventListener('pointerleave', event => { if (!down && event.pointerType !== 'touch') hide(); });
+  document.addEventListener('pointerdown', event => { if (!svg.contains(event.target)) hide(); });
   svg.addEventListener('blur', hide);
   svg.addEventListener('dblclick', () => show(0, 1));
   whole.addEventListener('click', () => { show(0, 1); svg.focus(); });

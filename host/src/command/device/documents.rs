@@ -264,7 +264,7 @@ pub(in crate::command) struct Stopped {
 
 /// A port of `list`.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(in crate::command) struct Port<'a> {
+pub(in crate::command) struct Entry<'a> {
     port: &'a str,
     device: Option<&'a str>,
     answers: bool,
@@ -280,7 +280,7 @@ enum Answer<'a> {
     None { reason: &'a str },
 }
 
-impl<'a> From<&'a Listed> for Port<'a> {
+impl<'a> From<&'a Listed> for Entry<'a> {
     fn from(listed: &'a Listed) -> Self {
         let Listed { port, device, answer } = listed;
         let answers = answer.is_ok();

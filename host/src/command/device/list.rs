@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::documents::Port;
+use super::documents::Entry;
 use crate::command::output::Output;
 use crate::device::list::{Listed, list};
 
@@ -12,7 +12,7 @@ use crate::device::list::{Listed, list};
 /// What standard output reports.
 pub fn run(baud: u32, output: Output) -> anyhow::Result<()> {
     let ports = list(baud);
-    let document: Vec<Port<'_>> = ports.iter().map(Port::from).collect();
+    let document: Vec<Entry<'_>> = ports.iter().map(Entry::from).collect();
     output.print(&document, |_| text(&ports))
 }
 

@@ -36,6 +36,9 @@ pub fn fold(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), points: &[[f
     panel.plot(&mut sheet, x_axis, y_axis, true, |sheet| {
         let curve = through(law.iter().map(|point| (panel.px(point[0]), panel.py(point[1]))));
         sheet.curve(&curve, "after", "fitted law");
+        // Under the marks, for the page's script: their values between them are those of a straight line.
+        let means = through(points.iter().map(|point| (panel.px(point[0]), panel.py(point[1]))));
+        sheet.curve(&means, "unseen", "measured force");
         for point in points.iter().filter(|point| point[1].is_finite()) {
             let (x, [low, high]) = (panel.px(point[0]), reach(point));
             sheet.line((x, panel.py(low)), (x, panel.py(high)), "error-before");

@@ -76,8 +76,8 @@ impl Figure {
         Self { title: title.into(), caption: caption.into(), wide: draw(WIDE), narrow }
     }
 
-    /// The numbers of the figure as CSV: a comment with the title, the columns with their units, and rows as many as the
-    /// longest column has. Undrawn precision is kept: the numbers are those that were given, not those of the pixels.
+    /// The numbers of the figure as CSV: a comment with the title, the columns with their units, and as many rows as the
+    /// longest column. They are the numbers that were given, not those of the pixels.
     pub fn csv(&self) -> String {
         column::csv(&self.title, &self.wide.columns)
     }

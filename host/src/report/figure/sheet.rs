@@ -123,10 +123,14 @@ impl Sheet {
         draw: impl FnOnce(&mut Self),
     ) {
         let ((x, y), (w, h)) = (corner, size);
-        let data: String = data.iter().map(|(name, value)| format!(" data-{name}=\"{}\"", escape(value))).collect();
+        let mut attributes = String::new();
+        for (name, value) in data {
+            // Writing to a String cannot fail.
+            let _ = write!(attributes, " data-{name}=\"{}\"", escape(value));
+        }
         // A nested svg clips by itself; a clipPath would need an id that is unique on the page.
         self.add(format_args!(
-            "<svg class=\"plot\"{data} x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" \
+            "<svg class=\"plot\"{attributes} x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" \
              viewBox=\"{x:.1} {y:.1} {w:.1} {h:.1}\">"
         ));
         draw(self);
@@ -164,8 +168,8 @@ impl Sheet {
     }
 }
 
-/// A path through points in pixels, to a hundredth; it is interrupted where a point is not finite. Values are read back from
-/// it: a hundredth is at most 1e-4 of a panel, and is still less than a pixel where that is enlarged a hundred times.
+/// A path through points in pixels, to a hundredth; it is interrupted where a point is not finite. The page's script reads
+/// values back from it: a hundredth is about 1e-4 of a panel. Enlarged a hundred times it is a pixel.
 pub fn through(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut d = String::new();
     let mut pen = 'M';

@@ -51,8 +51,8 @@ fn the_script_is_ours_and_asks_for_nothing() {
     }
 }
 
-/// Every panel of every figure says what its edges are, and has a curve under a name; but for the bars, whose numbers are
-/// printed beside them.
+/// Every panel of every figure says what its edges are, and has a curve under a name. Bars have their numbers printed beside
+/// them, and no panel.
 #[test]
 fn every_panel_carries_its_axes_and_its_curves() {
     for (name, sample) in samples() {
