@@ -49,7 +49,7 @@ fn commands_write_every_figure_as_svg_and_csv() {
         }
         let tables: Vec<String> = names
             .iter()
-            .filter(|name| name.ends_with(".csv"))
+            .filter(|name| name.strip_suffix(".csv").is_some())
             .map(|name| fs::read_to_string(folder.join(name)).unwrap())
             .collect();
         for column in columns {

@@ -67,6 +67,10 @@ fn workflows_name_what_is_there() {
         assert!(targets.iter().any(|target| target.contains(system)), "dist: {system}");
         assert!(wheels.contains(runner) && ci.contains(runner), "{runner}");
     }
+    // The workflow of a release fetches the version of dist by which it was made.
+    let version = dist["dist"]["cargo-dist-version"].as_str().unwrap().to_owned();
+    assert!(read(".github/workflows/release.yml").contains(&format!("/v{version}/")), "dist {version}");
+    assert!(read("docs/releases.md").contains(&format!("version {version}")), "dist {version}");
     // Every job has the least rights: what it may write, it says itself.
     for file in ["ci.yml", "wheels.yml"] {
         assert!(read(&format!(".github/workflows/{file}")).contains("permissions:\n  contents: read"), "{file}");

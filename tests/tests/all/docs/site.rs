@@ -1,6 +1,6 @@
 //! The pages as a site: docs/SUMMARY.md has each of them, and every link leads to a file and to a heading in it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use super::commands::{pages, root};
@@ -44,15 +44,15 @@ fn anchor(heading: &str) -> String {
 /// The anchors of a page; a heading that comes again has a number.
 fn anchors(text: &str) -> BTreeSet<String> {
     let (mut fenced, mut anchors) = (false, BTreeSet::new());
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for line in text.lines() {
         fenced ^= line.trim_start().starts_with("```");
         let heading = line.trim_start_matches('#');
         if !fenced && heading.len() < line.len() && heading.starts_with(' ') {
             let first = anchor(heading);
-            let again = (1..).map(|k| format!("{first}-{k}")).find(|name| !anchors.contains(name));
-            if !anchors.insert(first) {
-                anchors.extend(again);
-            }
+            let before = seen.entry(first.clone()).or_default();
+            anchors.insert(if *before == 0 { first } else { format!("{first}-{before}") });
+            *before += 1;
         }
     }
     anchors
