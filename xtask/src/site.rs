@@ -8,9 +8,10 @@ use crate::run::{cargo, root, run};
 /// Builds it into the target folder. mdBook is a library of a program of its own, which is compiled when it is asked for.
 pub fn build() -> Result<()> {
     let manifest = root().join("xtask/site/Cargo.toml");
-    let mut command = cargo(["run", "--quiet", "--manifest-path"]);
-    command.arg(manifest).arg("--target-dir").arg(target_folder().join("site-tool")).arg("--").arg(root());
-    run(&mut command)?;
-    println!("{}", target_folder().join("site/index.html").display());
+    let mut command = cargo(["run", "--quiet", "--locked", "--manifest-path"]);
+    let site = target_folder().join("site");
+    command.arg(manifest).arg("--target-dir").arg(target_folder().join("site-tool"));
+    run(command.arg("--").arg(root()).arg(&site))?;
+    println!("{}", site.join("index.html").display());
     Ok(())
 }

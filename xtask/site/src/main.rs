@@ -1,4 +1,4 @@
-//! Builds the documentation as a site: the folder of book.toml is the first argument.
+//! Builds the documentation as a site: from the folder of book.toml, the first argument, into the second.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -6,8 +6,16 @@ use std::process::ExitCode;
 use mdbook_driver::MDBook;
 
 fn main() -> ExitCode {
-    let root = std::env::args_os().nth(1).unwrap_or_else(|| ".".into());
-    match MDBook::load(&root).and_then(|book| book.build()) {
+    let arguments: Vec<_> = std::env::args_os().skip(1).collect();
+    let [from, to] = arguments.as_slice() else {
+        eprintln!("error: expected the folder of book.toml and the one to write to");
+        return ExitCode::from(2);
+    };
+    let built = MDBook::load(from).and_then(|mut book| {
+        book.config.build.build_dir = to.into();
+        book.build()
+    });
+    match built {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
