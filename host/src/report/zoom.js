@@ -171,8 +171,10 @@ function figure(svg) {
     return [a + part((x - p.left) / p.width) * (b - a), c + part((p.top + p.height - y) / p.height) * (d - c), p];
   };
   svg.addEventListener('pointerdown', event => {
+    at = point(event);
+    tell();
     if (event.button || words) return;
-    down = point(event);
+    down = at;
     svg.setPointerCapture(event.pointerId);
   });
   svg.addEventListener('pointermove', event => {
