@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::interrupt;
 
 pub use error::{FileError, is_standard_input, read_as, shown};
-pub use kind::{CARD_MARK, EXPORT_MARK, FIGURE_MARK, FileKind, PAGE_MARK};
+pub use kind::{CARD_MARK, EXPORT_MARK, FIGURE_MARK, FileKind, PAGE_MARK, TABLE_MARK};
 pub use target::{Target, TargetError, apart, inside, may_write};
 
 /// Writes a file through `content`: beside its place first, then renamed into it.

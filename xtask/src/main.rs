@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`,
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
 //! `logs-test`.
 
 mod arrows;
@@ -21,6 +21,7 @@ mod report;
 mod rp2350;
 mod run;
 mod setup;
+mod site;
 mod soak;
 mod words;
 
@@ -102,6 +103,8 @@ enum Task {
         #[arg(long, value_name = "PPM", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=100_000))]
         noise: u32,
     },
+    /// Build the documentation as a site into target/site, with mdBook; its library is compiled the first time
+    Site,
     /// Run and read exported models with MuJoCo and parsers from PyPI; needs Python
     ExportTest,
     /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
@@ -130,6 +133,7 @@ fn main() -> ExitCode {
         Task::Machines { arguments } => bench::machines(&arguments),
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
+        Task::Site => site::build(),
         Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
         Task::LogsTest => logs::test(),

@@ -1,6 +1,7 @@
 //! `breakaway device`.
 
 mod board;
+pub(in crate::command) mod documents;
 mod list;
 mod motion;
 mod stop;

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use super::console;
+use super::figures::FiguresArgs;
 use super::output::Output;
 use super::progress::Steps;
 use super::recording_args::RecordingArgs;
@@ -57,8 +58,11 @@ pub struct Args {
     /// Write the report to this file; `-` is standard output
     #[arg(long, value_name = "R.html", conflicts_with = "fleet")]
     pub report: Option<Target>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Work on all machines of this folder; each has a folder of its own
-    #[arg(long, value_name = "DIR", requires = "output")]
+    #[arg(long, value_name = "DIR", requires = "output", conflicts_with = "figures")]
     pub fleet: Option<PathBuf>,
     /// Machines worked on at a time; they share the cores [default: the number of cores]
     #[arg(long, value_name = "N", requires = "fleet")]
@@ -94,7 +98,8 @@ impl Args {
         let read: Vec<_> =
             self.recordings.iter().chain(&self.holdout).chain(&self.model).map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &read)?;
-        let inputs = Inputs { fit: self.recordings, score: self.holdout, model: self.model };
+        self.figures.claim(output, &read)?;
+        let inputs = Inputs { fit: self.recordings.clone(), score: self.holdout.clone(), model: self.model.clone() };
         let steps = Steps::begin();
         let (found, folds) = find(&self.columns, &inputs, &|what| steps.show(what))?;
         steps.end();
@@ -104,6 +109,7 @@ impl Args {
         if let Some(target) = &self.report {
             target.write_text(&discovery::html(&found, &folds))?;
         }
+        self.figures.write(output, &read, || discovery::all_figures(&found, &folds))?;
         output.print(&json::Document::from(&found), |_| in_words(&found))
     }
 }

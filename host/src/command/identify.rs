@@ -8,14 +8,17 @@ use breakaway_core::plant::Base;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::figures::FiguresArgs;
 use super::output::Output;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
 use crate::file::{FileKind, Target, shown};
 use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value, Winding};
+use crate::identify::typical::typical;
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
+use crate::report::identification::typical_figure;
 use crate::report::json::Quantity;
 use crate::report::remark::RemarkJson;
 
@@ -40,6 +43,9 @@ pub struct Args {
     /// back-EMF and viscous friction where no current is recorded
     #[arg(long, value_name = "KE")]
     pub back_emf: Option<f64>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -196,6 +202,7 @@ impl Args {
         let targets: Vec<(&Target, FileKind)> = self.output.iter().map(|target| (target, FileKind::Model)).collect();
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
+        self.figures.claim(output, &inputs)?;
         let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
         let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
         if let Some(value) = self.back_emf.filter(|_| result.winding.is_none()) {
@@ -206,6 +213,9 @@ impl Args {
             let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
             target.write_text(&model(&result, &units, &names)?.to_toml())?;
         }
+        self.figures.write(output, &inputs, || {
+            typical(&recordings, &result).iter().map(|found| typical_figure(found, &units, result.noise)).collect()
+        })?;
         output.print(&Document::new(&result, &units, remarks), table)
     }
 }

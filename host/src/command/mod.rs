@@ -11,6 +11,7 @@ pub mod discover;
 pub mod effects;
 pub mod export;
 pub mod failure;
+pub mod figures;
 pub mod identify;
 pub mod look;
 pub mod man;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::output::SCHEMA_VERSION;
 use super::virtual_board;
 use super::{
-    capture, completions, demo, discover, effects, export, failure, identify, look, man, models, run, simulate,
+    capture, completions, demo, device, discover, effects, export, failure, identify, look, man, models, run, simulate,
     sinefit, track, tune,
 };
 use crate::report;
@@ -21,6 +21,17 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("completions", of::<completions::Document>()),
         ("demo", of::<demo::Document>()),
         ("demo-virtual", of::<demo::board::Document>()),
+        ("device-done", of::<device::documents::Done>()),
+        ("device-fault", of::<device::documents::Fault>()),
+        ("device-identify", of::<device::documents::Identified>()),
+        ("device-info", of::<device::documents::Info<'_>>()),
+        ("device-list", of::<Vec<device::documents::Entry<'_>>>()),
+        ("device-model", of::<device::documents::Model<'_>>()),
+        ("device-moved", of::<device::documents::Moved>()),
+        ("device-settings", of::<device::documents::Settings>()),
+        ("device-status", of::<device::documents::Status>()),
+        ("device-stop", of::<device::documents::Stopped>()),
+        ("device-zero", of::<device::documents::Zeroed>()),
         ("discover", of::<report::json::Document<'_>>()),
         ("discover-fleet", of::<discover::fleet::Document<'_>>()),
         ("effects", of::<effects::Document>()),

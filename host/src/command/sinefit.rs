@@ -8,9 +8,11 @@ use anyhow::Context;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::figures::FiguresArgs;
 use super::output::Output;
 use super::recording_args::{RecordingArgs, positive};
 use crate::file::shown;
+use crate::report::sine::figure;
 use crate::sine::{self, SineFit};
 
 /// Fit `A·sin(ω(t − t0) + θ) + d` to one column, t0 the first sample used
@@ -31,6 +33,9 @@ pub struct Args {
     /// About how long a period is; the fit looks from half to twice that [default: found in the data]
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     pub period: Option<f64>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -85,10 +90,13 @@ impl Args {
     /// # Errors
     /// A recording that cannot be used, or has no sine in it.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
+        let inputs = [self.recording.as_path()];
+        self.figures.claim(output, &inputs)?;
         let signal = self.columns.read_signal(&self.recording, self.signal.as_deref())?;
         let unit = signal.unit.clone().unwrap_or_default();
         let fit = sine::fit(&signal, f64::NEG_INFINITY..=f64::INFINITY, self.period)
             .with_context(|| format!("{}: column `{}`", shown(&self.recording), signal.column))?;
+        self.figures.write(output, &inputs, || vec![figure(&signal, &fit)])?;
         output.print(&Document::from(fit), |fit| table(fit, &unit))
     }
 }

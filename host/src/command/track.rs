@@ -13,6 +13,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::UsageError;
+use super::figures::FiguresArgs;
 use super::output::Output;
 use super::port_args::MonitorArgs;
 use super::progress;
@@ -99,6 +100,9 @@ pub struct Args {
     /// Write the report to this file; `-` is standard output
     #[arg(long, value_name = "R.html")]
     pub report: Option<Target>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Tuning, unless a controller is given.
     #[command(flatten)]
     pub tuning: TuneArgs,
@@ -230,9 +234,7 @@ impl Args {
 
     /// Checks what is to be written.
     fn claim(&self, output: Output) -> anyhow::Result<Output> {
-        let reference = PathBuf::from(&self.reference);
-        let inputs = [Some(&self.model), self.controller.as_ref(), self.plant.as_ref(), Some(&reference)];
-        let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+        let inputs = self.inputs();
         if let Some(folder) = &self.output {
             let folder = output.folder(folder, "a folder")?;
             let recordings = LAWS.map(|name| (folder.join(format!("{name}.csv")), FileKind::Recording));
@@ -241,8 +243,15 @@ impl Args {
                 output.may_write(&path, kind, &inputs)?;
             }
         }
+        self.figures.claim(output, &inputs)?;
         let targets: Vec<_> = self.report.iter().map(|target| (target, FileKind::Page)).collect();
         output.claim(&targets, &inputs)
+    }
+
+    /// The files that are read.
+    fn inputs(&self) -> Vec<&Path> {
+        let files = [Some(&self.model), self.controller.as_ref(), self.plant.as_ref()];
+        files.into_iter().flatten().map(PathBuf::as_path).chain([Path::new(&self.reference)]).collect()
     }
 
     /// The reference at a tick of `tick_s` s.
@@ -261,6 +270,7 @@ impl Args {
         if let Some(target) = &self.report {
             target.write_text(&tracking::html(&page))?;
         }
+        self.figures.write(output, &self.inputs(), || tracking::figures(&page))?;
         let rows = cases.iter().map(|case| row(case, bench)).collect::<Vec<_>>();
         let compensated = cases.iter().rfind(|case| case.name != LAWS[3]).map_or(f64::NAN, |case| case.tracked.rms());
         let document = Document {

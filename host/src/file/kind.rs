@@ -17,6 +17,8 @@ pub enum FileKind {
     Page,
     /// A figure, SVG.
     Figure,
+    /// The numbers of a figure, CSV.
+    FigureTable,
     /// A manual page.
     Manual,
     /// The table over the machines of a fleet, CSV.
@@ -38,6 +40,7 @@ impl FileKind {
             Self::Controller => "a controller",
             Self::Page => "a report",
             Self::Figure => "a figure",
+            Self::FigureTable => "a figure's table",
             Self::Manual => "a manual page",
             Self::FleetTable => "a table over a fleet",
             Self::FleetResult => "a result of a fleet",
@@ -66,6 +69,7 @@ impl FileKind {
             Self::Controller => starts("# Tuned by breakaway "),
             Self::Page => starts("<!DOCTYPE html>") && text.contains(PAGE_MARK),
             Self::Figure => starts("<svg ") && text.contains(FIGURE_MARK),
+            Self::FigureTable => starts(TABLE_MARK),
             Self::Manual => text.contains(".TH breakaway"),
             Self::FleetTable => starts("machine,verdict,effects,"),
             Self::FleetResult => starts("{") && text.contains("\"base\""),
@@ -87,6 +91,8 @@ pub const CARD_MARK: &str = "# Made by `breakaway models add`";
 pub const PAGE_MARK: &str = "<meta name=\"generator\" content=\"breakaway\">";
 /// What stands in the first tag of a figure that is a file of its own.
 pub const FIGURE_MARK: &str = "data-by=\"breakaway\"";
+/// How the table of a figure begins.
+pub const TABLE_MARK: &str = "# figure by breakaway: ";
 
 #[cfg(test)]
 mod tests {
@@ -101,6 +107,7 @@ mod tests {
             (FileKind::Controller, "# Tuned by breakaway 0.1.0.\n\n[controller]\n"),
             (FileKind::Page, "<!DOCTYPE html>\n<head>\n<meta name=\"generator\" content=\"breakaway\">\n"),
             (FileKind::Figure, "<svg xmlns=\"\" data-by=\"breakaway\" width=\"1\">\n"),
+            (FileKind::FigureTable, "# figure by breakaway: The ladder\neffects added,rms error (rad)\n"),
             (FileKind::Manual, ".ie \\n(.g .ds Aq \\(aq\n.TH breakaway-run 1\n"),
             (FileKind::FleetTable, "machine,verdict,effects,tied\n"),
             (FileKind::FleetResult, "{\n  \"base\": {}\n"),

@@ -14,5 +14,6 @@ mod remark;
 mod result;
 mod slow_log;
 mod swapped;
+pub mod typical;
 pub mod weak;
 mod winding;

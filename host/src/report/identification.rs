@@ -7,6 +7,7 @@ use super::figure::{Figure, Ink, Loop, Series, Strip, loops, stack};
 use super::page::{Section, list, table};
 use super::text::{escape, number, quantity, with_error};
 use crate::identify::estimate::{Identification, Value};
+use crate::identify::typical::Typical;
 use crate::recording::Units;
 use crate::sine::SineFit;
 use breakaway_core::plant::Base;
@@ -95,14 +96,19 @@ pub fn limit_cycles(story: &Story<'_>) -> Figure {
 }
 
 fn span_figure(story: &Story<'_>, cycle: &Cycle) -> Figure {
-    let span = &cycle.span;
+    let title = format!("Relay at h1 = {}, h2 = {} {}", cycle.h1, cycle.h2, story.units.u);
+    let caption = "The simulation is given an initial position and velocity and the recorded drive, nothing else. The band \
+                   is the noise of the position.";
+    drawn(&cycle.span, &story.units, story.identified.noise, &title, caption)
+}
+
+fn drawn(span: &Span, units: &Units, noise: f64, title: &str, caption: &str) -> Figure {
     let mut positions = vec![Series { ink: Ink::Measured, label: "measured", y: &span.measured }];
     if !span.sine.is_empty() {
         positions.push(Series { ink: Ink::Before, label: "fitted sine", y: &span.sine });
     }
     positions.push(Series { ink: Ink::After, label: "simulated", y: &span.simulated });
     let gap: Vec<f64> = span.measured.iter().zip(&span.simulated).map(|(x, s)| x - s).collect();
-    let units = &story.units;
     let strips = [
         Strip { quantity: "position", unit: &units.x, height: 190.0, series: positions, band: None, held: false },
         Strip {
@@ -110,7 +116,7 @@ fn span_figure(story: &Story<'_>, cycle: &Cycle) -> Figure {
             unit: &units.x,
             height: 90.0,
             series: vec![Series { ink: Ink::After, label: "simulated", y: &gap }],
-            band: Some(story.identified.noise),
+            band: Some(noise),
             held: false,
         },
         Strip {
@@ -122,10 +128,18 @@ fn span_figure(story: &Story<'_>, cycle: &Cycle) -> Figure {
             held: true,
         },
     ];
-    let title = format!("Relay at h1 = {}, h2 = {} {}", cycle.h1, cycle.h2, units.u);
-    let caption = "The simulation is given an initial position and velocity and the recorded drive, nothing else. The band \
-                   is the noise of the position.";
     Figure::new(title, caption, |width| stack(width, &span.t, &strips))
+}
+
+/// A stretch of a recording, measured and simulated with the identified model; `noise` is that of the position.
+pub fn typical_figure(found: &Typical, units: &Units, noise: f64) -> Figure {
+    let Typical { name, t, u, measured, simulated } = found;
+    let span =
+        Span { t: t.clone(), u: u.clone(), measured: measured.clone(), simulated: simulated.clone(), sine: Vec::new() };
+    let title = format!("Measured and simulated, {name}, from t = {:.2} s", t.first().copied().unwrap_or(0.0));
+    let caption = "One second on which the error of the simulation is the median of the recording's. The simulation is given \
+                   an initial position and velocity and the recorded drive, nothing else. The band is the noise of the position.";
+    drawn(&span, units, noise, &title, caption)
 }
 
 fn relay(story: &Story<'_>) -> String {

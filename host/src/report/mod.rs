@@ -16,5 +16,6 @@ pub mod json;
 pub mod look;
 pub mod page;
 pub mod remark;
+pub mod sine;
 pub mod text;
 pub mod tracking;

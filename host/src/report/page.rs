@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use sha2::{Digest, Sha256};
+
 use super::figure::{DARK, FIGURES, LIGHT};
 use super::text::escape;
 use crate::file::PAGE_MARK;
@@ -41,6 +43,9 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
+/// Zoom and read-out of the figures. Without it they are as they are drawn.
+const SCRIPT: &str = include_str!("zoom.js");
+
 const PAGE: &str = "\
 *{box-sizing:border-box}
 html{-webkit-text-size-adjust:100%}
@@ -68,9 +73,16 @@ code.hash{overflow-wrap:anywhere;color:var(--muted)}
 .law+.scroll{margin-bottom:22px}
 details>summary{cursor:pointer;color:var(--after);margin:10px 0}
 .note{color:var(--muted);font-size:15px}
+figure>div{position:relative}
+figure svg[tabindex]{user-select:none;-webkit-user-select:none;outline:none} figure svg[tabindex]:focus-visible{outline:2px solid var(--after);outline-offset:6px}
+.readout{position:absolute;z-index:1;pointer-events:none;max-width:60%;background:var(--paper);border:1px solid var(--rule);border-radius:6px;padding:5px 9px;font-size:13px;line-height:1.45;font-variant-numeric:tabular-nums;box-shadow:0 2px 8px #0003;opacity:.94}
+.readout .row:not(:has(i)){font-weight:640} .readout i{display:inline-block;width:9px;height:9px;border-radius:50%;margin-right:6px}
+button.whole{position:absolute;right:0;top:0;font:inherit;font-size:13px;color:var(--after);background:var(--paper);border:1px solid var(--after);border-radius:6px;padding:2px 9px;cursor:pointer}
+.narrow .whole{top:-28px}
+[hidden]{display:none!important}
 .narrow{display:none}
 @media (max-width:640px){main{padding:18px 16px 40px}h1{font-size:22px}.wide{display:none}.narrow{display:block}dl.facts{gap:10px 22px}table{font-size:14px}th,td{padding-right:10px}th.n{white-space:normal}td:first-child{min-width:6.5em}td.w{min-width:11em}}
-@media print{body{font-size:11pt}main{max-width:none;padding:0}.wide{display:block}.narrow{display:none}figure,table,pre{break-inside:avoid}pre{white-space:pre-wrap;overflow-wrap:anywhere}h2,h3{break-after:avoid}h2{margin-top:26px}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
+@media print{.readout,.whole,.hint,svg .cursor,svg .spot,svg .chosen{display:none}body{font-size:11pt}main{max-width:none;padding:0}.wide{display:block}.narrow{display:none}figure,table,pre{break-inside:avoid}pre{white-space:pre-wrap;overflow-wrap:anywhere}h2,h3{break-after:avoid}h2{margin-top:26px}*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 ";
 
 impl Page {
@@ -79,9 +91,16 @@ impl Page {
         // Here and below, writing to a String cannot fail.
         let mut out = String::from("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
         // The policy makes a browser refuse whatever a page without network must not ask for.
+        let script = self.has_figures();
+        // The script is named by its hash: no other runs, whatever a recording's name has in it.
+        let allowed =
+            if script { format!("; script-src 'sha256-{}'", base64(&Sha256::digest(SCRIPT))) } else { String::new() };
+        let _ = writeln!(
+            out,
+            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'{allowed}\">"
+        );
         out.push_str(
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n",
         );
         let _ = writeln!(out, "{PAGE_MARK}");
@@ -110,9 +129,27 @@ impl Page {
         for section in &self.sections {
             let _ = writeln!(out, "<section>\n<h2>{}</h2>\n{}</section>", escape(&section.heading), section.body);
         }
-        out.push_str("</main>\n</body>\n</html>\n");
+        let script = if script { format!("\n<script>{SCRIPT}</script>") } else { String::new() };
+        let _ = writeln!(out, "</main>{script}\n</body>\n</html>");
         out
     }
+
+    fn has_figures(&self) -> bool {
+        std::iter::once(&self.lead)
+            .chain(self.sections.iter().map(|section| &section.body))
+            .any(|html| html.contains("<figure>"))
+    }
+}
+
+/// Bytes as Base64 (RFC 4648, section 4), as the policy has a hash.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let group = |group: &[u8]| {
+        let bits = group.iter().chain([0, 0].iter()).take(3).fold(0_usize, |bits, byte| bits << 8 | usize::from(*byte));
+        let letters: Vec<char> = (0..=group.len()).map(|k| char::from(LETTERS[bits >> (18 - 6 * k) & 63])).collect();
+        letters.into_iter().chain(std::iter::repeat_n('=', 3 - group.len())).collect::<String>()
+    };
+    bytes.chunks(3).map(group).collect()
 }
 
 /// A table; cells of the columns marked `n` in `columns` (name, class) are numbers. Cells are HTML; rows may be marked.
@@ -140,4 +177,19 @@ pub fn list<T: AsRef<str>>(items: &[T]) -> String {
         let _ = writeln!(out, "<li>{}</li>", escape(item.as_ref()));
     }
     out + "</ul>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::base64;
+
+    /// The test vectors of RFC 4648, section 10.
+    #[test]
+    fn base64_is_that_of_the_rfc() {
+        let vectors =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")];
+        for (plain, coded) in vectors {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
 }

@@ -106,6 +106,11 @@ pub fn errors(story: &Story<'_>) -> Figure {
     Figure::new("Tracking error", &caption, |width| stack(width, t, &strips))
 }
 
+/// Every figure of the page, in its order.
+pub fn figures(story: &Story<'_>) -> Vec<Figure> {
+    vec![errors(story), motion(story)]
+}
+
 fn motion(story: &Story<'_>) -> Figure {
     let (Some(first), Some(last)) = (story.cases.first(), story.cases.iter().rfind(|case| case.name != "adaptive"))
     else {

@@ -36,7 +36,7 @@ fn schemas_are_those_of_the_types() {
     }
 }
 
-fn valid(name: &str, document: &Value) {
+pub fn valid(name: &str, document: &Value) {
     let text = fs::read_to_string(folder().join(format!("{name}.json"))).unwrap();
     let validator = jsonschema::validator_for(&serde_json::from_str(&text).unwrap()).unwrap();
     let errors: Vec<String> = validator.iter_errors(document).map(|e| format!("{} {e}", e.instance_path)).collect();

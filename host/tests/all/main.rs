@@ -7,6 +7,7 @@ mod decide;
 mod device;
 mod effects;
 mod export_commands;
+mod figures;
 mod fleet;
 mod identify_choice;
 mod identify_data;

@@ -5,7 +5,9 @@
 mod citations;
 mod commands;
 mod files;
+mod releases;
 mod sentences;
+mod site;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,13 +21,14 @@ use commands::{Program, lines, pages, root, shown};
 use files::Files;
 
 /// Files that a page takes from its reader, and what it says they are.
-const READERS_OWN: [(&str, &str, &str); 10] = [
+const READERS_OWN: [(&str, &str, &str); 11] = [
     ("README.md", "rec.csv", "A recording is a CSV file"),
     ("docs/adding-an-effect.md", "eddy.toml", "`eddy.toml`, on the plant of the papers"),
     ("docs/case-studies.md", "emps_train.csv", "Both recordings are other people's"),
     ("docs/case-studies.md", "current-sine-2hz.csv", "Both recordings are other people's"),
     ("docs/control.md", "model.toml", "from a model to a tracked reference"),
     ("docs/fleet.md", "machines", "`machines` holds one folder per machine"),
+    ("docs/formats.md", "rec.csv", "`rec.csv` is a recording of yours"),
     ("docs/logs.md", "robot.mcap", "reads the log that you have"),
     ("docs/tutorial.md", "export", "$ mkdir -p export held"),
     ("docs/tutorial.md", "held", "$ mkdir -p export held"),

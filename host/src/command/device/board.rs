@@ -2,15 +2,13 @@
 
 use std::fmt::Write as _;
 
-use breakaway_core::link::{Command, FaultRecord, Identified, Info, Reply, Settings};
-use schemars::JsonSchema;
-use serde::Serialize;
-use serde_json::{Map, Value, json};
+use breakaway_core::link::{Command, FaultRecord, Identified, Reply, Settings};
 
 use super::check;
+use super::documents::{self, Done, Fault, Info, Status};
 use crate::command::UsageError;
 use crate::command::output::Output;
-use crate::device::scale::{Scale, decimal};
+use crate::device::scale::Scale;
 use crate::device::{Client, DeviceError, model, settings, text};
 use crate::file::Target;
 use crate::model::Model;
@@ -20,16 +18,11 @@ pub struct Board {
     /// The connection.
     pub client: Client,
     /// Who it is.
-    pub info: Info,
+    pub info: breakaway_core::link::Info,
     /// What its integers are.
     pub scale: Scale,
     /// Text or JSON.
     pub output: Output,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct Done {
-    done: &'static str,
 }
 
 impl Board {
@@ -40,21 +33,9 @@ impl Board {
 
     pub fn info(&self) -> anyhow::Result<()> {
         let Self { info, scale, .. } = self;
-        let document = json!({
-            "board": info.board.as_str(),
-            "firmware": info.firmware.as_str(),
-            "build": info.build.as_str(),
-            "link_version": info.protocol_version,
-            "tick_hz": info.tick_hz,
-            "counts_per_revolution": info.counts_per_revolution,
-            "current_range_ma": info.current_range_ma,
-            "position_per_count": scale.step,
-            "position_unit": scale.units.x,
-            "drive_full_scale": scale.drive_max(),
-            "drive_unit": scale.units.u,
-        });
+        let document = Info::new(info, scale);
         self.output.print(&document, |_| {
-            let Info { board, firmware, build, protocol_version, tick_hz, counts_per_revolution, .. } = info;
+            let breakaway_core::link::Info { board, firmware, build, protocol_version, tick_hz, counts_per_revolution, .. } = info;
             format!(
                 "board       {board}\nfirmware    {firmware} ({build}), link version {protocol_version}\ntick        \
                  {tick_hz} Hz\nposition    {step:e} {x} per count, {counts_per_revolution} counts per revolution\ndrive       \
@@ -73,19 +54,8 @@ impl Board {
 
     pub fn status(&mut self) -> anyhow::Result<()> {
         let status = self.client.status()?;
-        let (position, drive) = (self.scale.position(status.count), self.scale.drive(status.drive_code.into()));
-        let document = json!({
-            "mode": status.mode.name(),
-            "tick": status.tick,
-            "position": position,
-            "drive": drive,
-            "decimation": status.decimation,
-            "dropped": status.dropped,
-            "damaged_frames": status.bad_frames,
-            "late_ticks": status.overruns,
-            "unsaved": status.unsaved,
-            "zero_needed": status.zero_needed,
-        });
+        let document = Status::new(&status, &self.scale);
+        let Status { position, drive, .. } = document;
         let units = &self.scale.units;
         self.output.print(&document, |_| {
             format!(
@@ -122,7 +92,7 @@ impl Board {
             }
         }
         let chosen: Vec<_> = list.into_iter().filter(|(name, _)| names.is_empty() || names.contains(name)).collect();
-        let document: Map<String, Value> = chosen.iter().cloned().collect();
+        let document = documents::Settings(chosen.iter().cloned().collect());
         self.output.print(&document, |_| {
             chosen.iter().fold(String::new(), |mut text, (name, value)| {
                 let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -150,8 +120,7 @@ impl Board {
         let Reply::Fault(record) = self.client.request(Command::GetFault)? else {
             return Err(DeviceError::Nonsense { command: "fault" }.into());
         };
-        let document = record.map_or(Value::Null, |record| fault_json(&record, &self.scale));
-        self.output.print(&json!({ "fault": document }), |_| match record {
+        self.output.print(&Fault::new(record.as_ref(), &self.scale), |_| match record {
             None => "no fault".to_owned(),
             Some(record) => {
                 let FaultRecord { mode, tick, count, drive_code, .. } = record;
@@ -190,15 +159,7 @@ impl Board {
         if let Some(file) = file {
             file.write_text(&model.to_toml())?;
         }
-        let document = json!({
-            "b": model.base.b,
-            "c": model.base.c,
-            "f1": model.base.f1,
-            "effects": model.effects.iter()
-                .map(|effect| json!({ "name": effect.name, "parameters": effect.parameters }))
-                .collect::<Vec<_>>(),
-        });
-        self.output.print(&document, |_| match file {
+        self.output.print(&documents::Model::from(&model), |_| match file {
             Some(file) => format!("written to {file}"),
             None => model.to_toml(),
         })
@@ -213,34 +174,8 @@ impl Board {
         if let Some(advice) = found.verdict.advice() {
             return Err(anyhow::anyhow!("the board cannot identify from what it has: {advice}"));
         }
-        let mut document = Map::new();
-        for (name, estimate, unit) in &rows {
-            let value = json!({ "value": decimal(estimate.value), "se": decimal(estimate.se), "unit": unit });
-            document.insert((*name).to_owned(), value);
-        }
-        let Identified { load, residual, condition, windows, sine, .. } = found;
-        let load = load.map(|load| json!({ "value": decimal(load.value), "se": decimal(load.se), "unit": units.u }));
-        document.insert("load".into(), load.into());
-        document.insert("residual".into(), decimal(residual).into());
-        document.insert("condition".into(), decimal(condition).into());
-        document.insert("windows".into(), windows.into());
-        let sine_json = sine.map(|sine| {
-            json!({
-                "amplitude": decimal(sine.amplitude.value),
-                "omega": decimal(sine.omega.value),
-                "phase_centre": decimal(sine.phase_centre.value),
-                "offset": decimal(sine.offset.value),
-                "rms": decimal(sine.rms),
-                "cycles": decimal(sine.cycles),
-                "se": {
-                    "amplitude": decimal(sine.amplitude.se),
-                    "omega": decimal(sine.omega.se),
-                    "phase_centre": decimal(sine.phase_centre.se),
-                    "offset": decimal(sine.offset.se),
-                },
-            })
-        });
-        document.insert("sine".into(), sine_json.into());
+        let document = documents::Identified::new(&found, &self.scale);
+        let Identified { windows, residual, sine, .. } = found;
         self.output.print(&document, |_| {
             let mut text = String::from("identified on the board\n");
             for (name, estimate, unit) in rows {
@@ -262,17 +197,4 @@ impl Board {
             text
         })
     }
-}
-
-fn fault_json(record: &FaultRecord, scale: &Scale) -> Value {
-    json!({
-        "cause": text::cause_name(record.cause),
-        "text": text::fault(record),
-        "mode": record.mode.name(),
-        "tick": record.tick,
-        "position": scale.position(record.count),
-        "drive": scale.drive(record.drive_code.into()),
-        "value": record.value,
-        "limit": record.limit,
-    })
 }

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
-
+use super::documents::Entry;
 use crate::command::output::Output;
 use crate::device::list::{Listed, list};
 
@@ -13,19 +12,8 @@ use crate::device::list::{Listed, list};
 /// What standard output reports.
 pub fn run(baud: u32, output: Output) -> anyhow::Result<()> {
     let ports = list(baud);
-    let document: Vec<Value> = ports.iter().map(as_json).collect();
+    let document: Vec<Entry<'_>> = ports.iter().map(Entry::from).collect();
     output.print(&document, |_| text(&ports))
-}
-
-fn as_json(listed: &Listed) -> Value {
-    let Listed { port, device, answer } = listed;
-    match answer {
-        Ok(answer) => json!({
-            "port": port, "device": device, "answers": true, "board": answer.board, "firmware": answer.firmware,
-            "build": answer.build, "held": answer.held,
-        }),
-        Err(reason) => json!({ "port": port, "device": device, "answers": false, "reason": reason }),
-    }
 }
 
 fn text(ports: &[Listed]) -> String {

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use breakaway_core::link::{Bounds, Command, Ended, Ending, Event, Message, Push};
-use serde_json::json;
 
 use super::board::Board;
+use super::documents::{Moved, Zeroed};
 use crate::command::recording_args::{finite, positive};
 use crate::device::{DeviceError, text};
 use crate::interrupt::finish_first;
@@ -62,7 +62,7 @@ impl Board {
         let count = self.count(args.at)?;
         self.client.done(Command::Zero { count })?;
         let position = self.scale.position(count);
-        let document = json!({ "done": "zeroed", "position": position });
+        let document = Zeroed { done: "zeroed", position };
         self.output.print(&document, |_| format!("zeroed: it stands at {position:.6} {}", self.scale.units.x))
     }
 
@@ -132,7 +132,7 @@ impl Board {
         if let Ending::Fault(_) = ended.ending {
             anyhow::bail!("{end} (`breakaway device … fault` says why)");
         }
-        let document = json!({ "done": done, "ending": end, "position": position });
-        self.output.print(&document, |_| format!("{end}: at {position:.6} {}", self.scale.units.x))
+        let document = Moved { done, ending: end, position };
+        self.output.print(&document, |moved| format!("{}: at {position:.6} {}", moved.ending, self.scale.units.x))
     }
 }

@@ -1,7 +1,6 @@
 //! `breakaway device stop`.
 
-use serde_json::json;
-
+use super::documents::Stopped;
 use crate::command::output::Output;
 use crate::device::stop::{Way, stop};
 
@@ -15,5 +14,5 @@ pub fn run(port: &str, baud: u32, output: Output) -> anyhow::Result<()> {
         Way::Port => ("port", "stopped"),
         Way::PastHolder => ("past_holder", "stopped, past the program that holds the port: it does not answer, end it"),
     };
-    output.print(&json!({ "done": "stopped", "way": name }), |_| text.to_owned())
+    output.print(&Stopped { done: "stopped", way: name }, |_| text.to_owned())
 }

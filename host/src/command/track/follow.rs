@@ -31,7 +31,7 @@ const RECORDING: &str = "follow.csv";
 #[command(next_help_heading = "Set-points")]
 pub struct FollowArgs {
     /// Follow set-points from this file while it is read, on a board; `-` is standard input
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference", "duration", "settle", "report"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference", "duration", "settle", "report", "figures"])]
     pub follow: Option<PathBuf>,
     /// Set-points per second: a line is then `position` or `position,velocity`
     #[arg(long, value_name = "HZ", value_parser = positive, requires = "follow")]

@@ -11,6 +11,7 @@ use std::fmt::Write as _;
 pub use figures::{ladder_figure, overlay_figure};
 pub use fold::{Fold, folds};
 
+use super::figure::Figure;
 use super::page::{Page, Section, list};
 use super::text::{escape, number, quantity};
 use crate::discover::outcome::{Discovery, NextExperiment, Rung, Verdict, WhereRow};
@@ -136,14 +137,29 @@ fn where_it_is(discovery: &Discovery, folds: &[Fold]) -> String {
     for fold in folds {
         out.push_str(&figures::fold_figure(discovery, fold).html());
     }
-    // Averages over the whole travel blur what repeats along it; the fold has it.
-    let blurred = |row: &WhereRow| folds.iter().any(|fold| fold.coordinate == row.coordinate);
-    let curves =
-        discovery.where_map.iter().filter(|row| !row.curve.is_empty() && !blurred(row) && row.r2 >= sentence::PREDICTS);
-    for row in curves.take(MOST_CURVES) {
+    for row in curves(discovery, folds) {
         out.push_str(&figures::curve_figure(discovery, row).html());
     }
     out
+}
+
+/// The coordinates whose curves are shown.
+fn curves<'a>(discovery: &'a Discovery, folds: &[Fold]) -> impl Iterator<Item = &'a WhereRow> {
+    // Averages over the whole travel blur what repeats along it; the fold has it.
+    let blurred = move |row: &WhereRow| folds.iter().any(|fold| fold.coordinate == row.coordinate);
+    let tells = move |row: &&WhereRow| !row.curve.is_empty() && !blurred(row) && row.r2 >= sentence::PREDICTS;
+    discovery.where_map.iter().filter(tells).take(MOST_CURVES)
+}
+
+/// Every figure of the page: the ladder, the overlays, where the gap is.
+pub fn all_figures(discovery: &Discovery, folds: &[Fold]) -> Vec<Figure> {
+    let ladder = (discovery.ladder.len() > 1).then(|| ladder_figure(discovery));
+    let overlays = discovery.overlays.iter().take(MOST_OVERLAYS).map(|overlay| overlay_figure(discovery, overlay));
+    let map = (!discovery.where_map.is_empty()).then(|| figures::map_figure(discovery));
+    // As on the page, folds and curves go with the map.
+    let folded = folds.iter().filter(|_| map.is_some()).map(|fold| figures::fold_figure(discovery, fold));
+    let curves = curves(discovery, folds).map(|row| figures::curve_figure(discovery, row));
+    ladder.into_iter().chain(overlays).chain(map.clone()).chain(folded).chain(curves).collect()
 }
 
 fn cannot_tell(discovery: &Discovery) -> String {

@@ -1,5 +1,6 @@
 //! Horizontal bars: shares, before and after.
 
+use super::column::Column;
 use super::scale::Scale;
 use super::sheet::{Anchor, Sheet};
 
@@ -33,6 +34,12 @@ pub fn bars(width: f64, rows: &[Bar<'_>]) -> Sheet {
         sheet.text((36.0, 16.0), Anchor::Start, "label", "before");
         sheet.rect((110.0, 6.0), (26.0, 11.0), 0.0, "bar-after");
         sheet.text((142.0, 16.0), Anchor::Start, "label", "after");
+    }
+    sheet.columns.push(Column::words("coordinate", rows.iter().map(|row| row.label)));
+    let mut share = |name: &str, values: Vec<f64>| sheet.columns.push(Column::new((name, "1"), "", &values));
+    share("share before", rows.iter().map(|row| row.before).collect());
+    if two {
+        share("share after", rows.iter().map(|row| row.after.unwrap_or(f64::NAN)).collect());
     }
     let bottom = head + row_height * rows.len() as f64;
     let ticks = if narrow { 2 } else { 4 };

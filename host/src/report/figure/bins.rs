@@ -1,5 +1,6 @@
 //! Binned averages with their standard errors: the residual force over a coordinate.
 
+use super::column::Column;
 use super::panel::{Entry, Panel, legend, legend_height};
 use super::scale::Scale;
 use super::sheet::{Sheet, through};
@@ -33,9 +34,10 @@ pub fn bins(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), before: &[[f
         x: Scale::over(all().map(|bin| bin[0]), 0.02),
         y: Scale::over(all().flat_map(reach).chain([0.0]), 0.06),
     };
-    panel.x_axis(&mut sheet, x_axis.0, x_axis.1, true);
-    panel.y_axis(&mut sheet, y_axis.0, y_axis.1);
-    panel.inside(&mut sheet, |sheet| {
+    for (name, points) in [("before", before), ("after", after)].into_iter().filter(|(_, points)| !points.is_empty()) {
+        sheet.columns.extend(Column::of_points(x_axis, y_axis, name, points));
+    }
+    panel.plot(&mut sheet, x_axis, y_axis, true, |sheet| {
         for (curve, band, class, marker, dot) in
             [(before, "band-before", "before", '■', "dot-before"), (after, "band-after", "after", '●', "dot-after")]
         {
@@ -47,7 +49,8 @@ pub fn bins(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), before: &[[f
             if !outline.is_empty() {
                 sheet.path(&format!("{outline}Z"), band);
             }
-            sheet.path(&through(curve.iter().map(|bin| (panel.px(bin[0]), panel.py(bin[1])))), class);
+            let line = through(curve.iter().map(|bin| (panel.px(bin[0]), panel.py(bin[1]))));
+            sheet.curve(&line, class, if after.is_empty() { "base model" } else { class });
             if curve.len() <= 40 && width > 500.0 {
                 for bin in &curve {
                     sheet.marker((panel.px(bin[0]), panel.py(bin[1])), marker, 3.6, dot);

@@ -1,5 +1,6 @@
 //! One period of a force over position: the measured means with their errors, and the fitted law.
 
+use super::column::Column;
 use super::panel::{Entry, Panel, legend, legend_height};
 use super::scale::Scale;
 use super::sheet::{Sheet, through};
@@ -28,10 +29,16 @@ pub fn fold(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), points: &[[f
         x: Scale::over([0.0, last], 0.0),
         y: Scale::over(points.iter().flat_map(reach).chain(law.iter().map(|p| p[1])).chain([0.0]), 0.06),
     };
-    panel.x_axis(&mut sheet, x_axis.0, x_axis.1, true);
-    panel.y_axis(&mut sheet, y_axis.0, y_axis.1);
-    panel.inside(&mut sheet, |sheet| {
-        sheet.path(&through(law.iter().map(|point| (panel.px(point[0]), panel.py(point[1])))), "after");
+    sheet.columns.extend(Column::of_points(x_axis, y_axis, "measured", points));
+    let part = |i: usize| law.iter().map(|point| point[i]).collect::<Vec<_>>();
+    sheet.columns.push(Column::new(x_axis, "fitted law", &part(0)));
+    sheet.columns.push(Column::new(y_axis, "fitted law", &part(1)));
+    panel.plot(&mut sheet, x_axis, y_axis, true, |sheet| {
+        let curve = through(law.iter().map(|point| (panel.px(point[0]), panel.py(point[1]))));
+        sheet.curve(&curve, "after", "fitted law");
+        // Under the marks, for the page's script: their values between them are those of a straight line.
+        let means = through(points.iter().map(|point| (panel.px(point[0]), panel.py(point[1]))));
+        sheet.curve(&means, "unseen", "measured force");
         for point in points.iter().filter(|point| point[1].is_finite()) {
             let (x, [low, high]) = (panel.px(point[0]), reach(point));
             sheet.line((x, panel.py(low)), (x, panel.py(high)), "error-before");

@@ -1,5 +1,6 @@
 //! The ladder: how the simulation error falls as effects are added, down to the noise.
 
+use super::column::Column;
 use super::panel::{Entry, Panel, legend, legend_height};
 use super::scale::Scale;
 use super::sheet::{Anchor, Sheet, text_width, through};
@@ -70,13 +71,20 @@ pub fn ladder(width: f64, steps: &[Step], noise: f64, unit: &str) -> Sheet {
     sheet.line((left, panel.bottom()), (panel.right(), panel.bottom()), "axis");
     floor(&mut sheet, &panel, noise, unit);
     let middle = |i: usize| panel.px(i as f64 + 0.5);
-    for (trace, (_, shape, dot, link)) in TRACES.iter().enumerate().rev() {
-        let places = || steps.iter().enumerate().map(|(i, step)| (middle(i), panel.py(step.values()[trace])));
-        sheet.path(&through(places()), link);
-        for place in places().filter(|(_, y)| y.is_finite()) {
-            sheet.marker(place, *shape, 6.0, dot);
+    let names: Vec<&str> = steps.iter().map(|step| step.label.as_str()).collect();
+    sheet.columns.push(Column::words("effects added", names.iter().copied()));
+    let data = [("x", serde_json::json!(["words", names]).to_string()), ("y", panel.y.attribute(("error", unit)))];
+    panel.inside(&mut sheet, &data, |sheet| {
+        for (trace, (label, shape, dot, link)) in TRACES.iter().enumerate().rev() {
+            let places = || steps.iter().enumerate().map(|(i, step)| (middle(i), panel.py(step.values()[trace])));
+            sheet.curve(&through(places()), link, label);
+            for place in places().filter(|(_, y)| y.is_finite()) {
+                sheet.marker(place, *shape, 6.0, dot);
+            }
+            let values: Vec<f64> = steps.iter().map(|step| step.values()[trace]).collect();
+            sheet.columns.push(Column::new(("rms error", unit), label, &values));
         }
-    }
+    });
     for (i, step) in steps.iter().enumerate().filter(|(i, _)| roomy || *i == 0 || i + 1 == steps.len()) {
         let y = panel.py(step.open_loop);
         if y.is_finite() {

@@ -1,6 +1,7 @@
 //! A plane of two signals against each other: limit cycles in position and velocity.
 
 use super::Ink;
+use super::column::Column;
 use super::panel::{Entry, Panel, legend, legend_height};
 use super::scale::Scale;
 use super::sheet::{Sheet, through};
@@ -39,14 +40,18 @@ pub fn loops(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), curves: &[L
         x: Scale::over(curves.iter().flat_map(|c| c.x.iter().copied()), 0.05),
         y: Scale::over(curves.iter().flat_map(|c| c.y.iter().copied()), 0.05),
     };
-    panel.x_axis(&mut sheet, x_axis.0, x_axis.1, true);
-    panel.y_axis(&mut sheet, y_axis.0, y_axis.1);
-    panel.inside(&mut sheet, |sheet| {
+    for (k, curve) in curves.iter().enumerate() {
+        let label = format!("{} {}", curve.label, k + 1);
+        sheet.columns.push(Column::new(x_axis, &label, curve.x));
+        sheet.columns.push(Column::new(y_axis, &label, curve.y));
+    }
+    panel.plot(&mut sheet, x_axis, y_axis, true, |sheet| {
         for curve in curves {
             // Both coordinates turn back: every n-th sample, not peaks of one of them.
             let stride = curve.x.len().div_ceil(1500).max(1);
             let points = curve.x.iter().zip(curve.y).step_by(stride);
-            sheet.path(&through(points.map(|(x, y)| (panel.px(*x), panel.py(*y)))), curve.ink.class());
+            let line = through(points.map(|(x, y)| (panel.px(*x), panel.py(*y))));
+            sheet.curve(&line, curve.ink.class(), curve.label);
         }
     });
     sheet

@@ -2,6 +2,7 @@
 
 mod bars;
 mod bins;
+mod column;
 mod decimate;
 mod fold;
 mod ladder;
@@ -14,6 +15,7 @@ mod style;
 
 pub use bars::{Bar, bars};
 pub use bins::bins;
+pub use column::Column;
 pub use fold::fold;
 pub use ladder::{Step, ladder};
 pub use loops::{Loop, loops};
@@ -69,7 +71,15 @@ pub struct Figure {
 impl Figure {
     /// Draws a figure at both widths.
     pub fn new(title: impl Into<String>, caption: impl Into<String>, draw: impl Fn(f64) -> Sheet) -> Self {
-        Self { title: title.into(), caption: caption.into(), wide: draw(WIDE), narrow: draw(NARROW) }
+        let mut narrow = draw(NARROW);
+        narrow.columns.clear();
+        Self { title: title.into(), caption: caption.into(), wide: draw(WIDE), narrow }
+    }
+
+    /// The numbers of the figure as CSV: a comment with the title, the columns with their units, and as many rows as the
+    /// longest column. They are the numbers that were given, not those of the pixels.
+    pub fn csv(&self) -> String {
+        column::csv(&self.title, &self.wide.columns)
     }
 
     /// The figure for a page.

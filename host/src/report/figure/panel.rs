@@ -38,35 +38,57 @@ impl Panel {
         self.bottom() - self.height * clamp(self.y.place(value))
     }
 
-    /// Draws within the rectangle.
-    pub fn inside(&self, sheet: &mut Sheet, draw: impl FnOnce(&mut Sheet)) {
-        sheet.clipped((self.left, self.top - 2.0), (self.width, self.height + 4.0), draw);
+    /// Draws axes, and within the rectangle. The axes are named by (quantity, unit); those of x have labels, or the panel
+    /// below has them.
+    pub fn plot(
+        &self,
+        sheet: &mut Sheet,
+        x: (&str, &str),
+        y: (&str, &str),
+        labels: bool,
+        draw: impl FnOnce(&mut Sheet),
+    ) {
+        let data = [("x", self.x.attribute(x)), ("y", self.y.attribute(y))];
+        sheet.group("panel", |sheet| {
+            self.x_axis(sheet, x.0, x.1, labels);
+            self.y_axis(sheet, y.0, y.1);
+            self.inside(sheet, &data, draw);
+        });
+    }
+
+    /// Draws within the rectangle; `data` says what its edges stand for, by axis.
+    pub fn inside(&self, sheet: &mut Sheet, data: &[(&str, String)], draw: impl FnOnce(&mut Sheet)) {
+        sheet.clipped((self.left, self.top - 2.0), (self.width, self.height + 4.0), data, draw);
     }
 
     /// Horizontal grid lines with their labels on the left, and the quantity above the upper left corner.
-    pub fn y_axis(&self, sheet: &mut Sheet, quantity: &str, unit: &str) {
+    fn y_axis(&self, sheet: &mut Sheet, quantity: &str, unit: &str) {
         let (ticks, unit) = self.y.ticks(((self.height / 45.0) as usize).max(3), unit);
-        for (value, label) in ticks {
-            let y = self.py(value);
-            let class = if value == 0.0 && matches!(self.y, Scale::Linear(..)) { "axis" } else { "grid" };
-            sheet.line((self.left, y), (self.right(), y), class);
-            sheet.text((self.left - 6.0, y + 4.0), Anchor::End, "tick", &label);
-        }
+        sheet.group("y-ticks", |sheet| {
+            for (value, label) in ticks {
+                let y = self.py(value);
+                let class = if value == 0.0 && matches!(self.y, Scale::Linear(..)) { "axis" } else { "grid" };
+                sheet.line((self.left, y), (self.right(), y), class);
+                sheet.text((self.left - 6.0, y + 4.0), Anchor::End, "tick", &label);
+            }
+        });
         sheet.text((self.left, self.top - 9.0), Anchor::Start, "unit", &labelled(quantity, &unit));
     }
 
     /// Ticks and labels below, and the quantity under them at the right.
-    pub fn x_axis(&self, sheet: &mut Sheet, quantity: &str, unit: &str, labels: bool) {
+    fn x_axis(&self, sheet: &mut Sheet, quantity: &str, unit: &str, labels: bool) {
         let (ticks, unit) = self.x.ticks((self.width / 75.0) as usize, unit);
         let last = ticks.len();
-        for (i, (value, label)) in ticks.into_iter().enumerate() {
-            let x = self.px(value);
-            sheet.line((x, self.top), (x, self.bottom()), "grid");
-            if labels {
-                let anchor = if i + 1 == last && x > self.right() - 8.0 { Anchor::End } else { Anchor::Middle };
-                sheet.text((x, self.bottom() + 17.0), anchor, "tick", &label);
+        sheet.group("x-ticks", |sheet| {
+            for (i, (value, label)) in ticks.into_iter().enumerate() {
+                let x = self.px(value);
+                sheet.line((x, self.top), (x, self.bottom()), "grid");
+                if labels {
+                    let anchor = if i + 1 == last && x > self.right() - 8.0 { Anchor::End } else { Anchor::Middle };
+                    sheet.text((x, self.bottom() + 17.0), anchor, "tick", &label);
+                }
             }
-        }
+        });
         sheet.line((self.left, self.bottom()), (self.right(), self.bottom()), "axis");
         if labels {
             sheet.text((self.right(), self.bottom() + 35.0), Anchor::End, "unit", &labelled(quantity, &unit));

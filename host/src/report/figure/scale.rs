@@ -51,6 +51,17 @@ impl Scale {
         }
     }
 
+    /// What the ends stand for, as JSON for the page's script: kind, both ends in the unit of the labels, that unit, and
+    /// the quantity. `named` is (quantity, unit).
+    pub fn attribute(self, named: (&str, &str)) -> String {
+        let (kind, low, high, (power, unit)) = match self {
+            Self::Linear(low, high) => ("linear", low, high, scaled_unit(low.abs().max(high.abs()), named.1)),
+            Self::Log(low, high) => ("log", low, high, (0, named.1.to_owned())),
+        };
+        let factor = 10f64.powi(power);
+        serde_json::json!([kind, low / factor, high / factor, unit, named.0]).to_string()
+    }
+
     /// Ticks, about `count` of them, and the unit that their labels are in.
     pub fn ticks(self, count: usize, unit: &str) -> (Vec<Tick>, String) {
         match self {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::column::Column;
 use super::style::{DARK, FIGURES, LIGHT};
 use crate::file::FIGURE_MARK;
 use crate::report::text::escape;
@@ -24,6 +25,8 @@ pub struct Sheet {
     pub width: f64,
     /// Height.
     pub height: f64,
+    /// The numbers that are drawn, for a table of the figure.
+    pub columns: Vec<Column>,
     body: String,
 }
 
@@ -38,7 +41,7 @@ pub fn text_width(text: &str) -> f64 {
 impl Sheet {
     /// An empty sheet.
     pub const fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+        Self { width, height, columns: Vec::new(), body: String::new() }
     }
 
     fn add(&mut self, element: std::fmt::Arguments<'_>) {
@@ -57,6 +60,20 @@ impl Sheet {
         if !d.is_empty() {
             self.add(format_args!("<path class=\"{class}\" d=\"{d}\"/>"));
         }
+    }
+
+    /// A curve that the page's script reads: a path under the name that its values have.
+    pub fn curve(&mut self, d: &str, class: &str, label: &str) {
+        if !d.is_empty() {
+            self.add(format_args!("<path class=\"{class}\" data-label=\"{}\" d=\"{d}\"/>", escape(label)));
+        }
+    }
+
+    /// What `draw` draws, as one group.
+    pub fn group(&mut self, class: &str, draw: impl FnOnce(&mut Self)) {
+        self.add(format_args!("<g class=\"{class}\">"));
+        draw(self);
+        self.add(format_args!("</g>"));
     }
 
     /// A rectangle; what has no area is left out.
@@ -97,12 +114,24 @@ impl Sheet {
         }
     }
 
-    /// What `draw` draws, cut at the edges of the rectangle.
-    pub fn clipped(&mut self, corner: (f64, f64), size: (f64, f64), draw: impl FnOnce(&mut Self)) {
+    /// What `draw` draws, cut at the edges of the rectangle; with attributes `data-…`.
+    pub fn clipped(
+        &mut self,
+        corner: (f64, f64),
+        size: (f64, f64),
+        data: &[(&str, String)],
+        draw: impl FnOnce(&mut Self),
+    ) {
         let ((x, y), (w, h)) = (corner, size);
+        let mut attributes = String::new();
+        for (name, value) in data {
+            // Writing to a String cannot fail.
+            let _ = write!(attributes, " data-{name}=\"{}\"", escape(value));
+        }
         // A nested svg clips by itself; a clipPath would need an id that is unique on the page.
         self.add(format_args!(
-            "<svg x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" viewBox=\"{x:.1} {y:.1} {w:.1} {h:.1}\">"
+            "<svg class=\"plot\"{attributes} x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" \
+             viewBox=\"{x:.1} {y:.1} {w:.1} {h:.1}\">"
         ));
         draw(self);
         self.add(format_args!("</svg>"));
@@ -139,13 +168,14 @@ impl Sheet {
     }
 }
 
-/// A path through points in pixels; it is interrupted where a point is not finite.
+/// A path through points in pixels, to a hundredth; it is interrupted where a point is not finite. The page's script reads
+/// values back from it: a hundredth is about 1e-4 of a panel. Enlarged a hundred times it is a pixel.
 pub fn through(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut d = String::new();
     let mut pen = 'M';
     for (x, y) in points {
         if x.is_finite() && y.is_finite() {
-            let _ = write!(d, "{pen}{x:.1} {y:.1}");
+            let _ = write!(d, "{pen}{x:.2} {y:.2}");
             pen = 'L';
         } else {
             pen = 'M';

@@ -1,6 +1,7 @@
 //! Signals over one time axis, in strips under each other: measured, simulated, their difference, the drive.
 
 use super::Ink;
+use super::column::Column;
 use super::decimate::peaks;
 use super::panel::{Entry, Panel, legend, legend_height};
 use super::scale::Scale;
@@ -58,20 +59,24 @@ pub fn stack_over(width: f64, x_axis: (&str, &str), t: &[f64], strips: &[Strip<'
     let mut sheet = Sheet::new(width, head + heights + gaps + 42.0);
     legend(&mut sheet, (2.0, 2.0), &entries, width - 10.0);
     let x = Scale::over(t.iter().copied(), 0.0);
+    sheet.columns.push(Column::new(x_axis, "", t));
     let mut top = head;
     for (i, strip) in strips.iter().enumerate() {
         let values = strip.series.iter().flat_map(|series| series.y.iter().copied());
         let y = Scale::over(values.chain(strip.band.iter().flat_map(|s| [-*s, *s])), 0.07);
         let panel = Panel { left, top, width: inner, height: strip.height, x, y };
-        panel.x_axis(&mut sheet, x_axis.0, x_axis.1, i + 1 == strips.len());
-        panel.y_axis(&mut sheet, strip.quantity, strip.unit);
-        panel.inside(&mut sheet, |sheet| {
+        for series in &strip.series {
+            let label = if series.label == strip.quantity { "" } else { series.label };
+            sheet.columns.push(Column::new((strip.quantity, strip.unit), label, series.y));
+        }
+        let (labels, y_axis) = (i + 1 == strips.len(), (strip.quantity, strip.unit));
+        panel.plot(&mut sheet, x_axis, y_axis, labels, |sheet| {
             if let Some(sigma) = strip.band {
                 let (upper, lower) = (panel.py(sigma), panel.py(-sigma));
                 sheet.rect((panel.left, upper), (panel.width, lower - upper), 0.0, "band-floor");
             }
             for series in &strip.series {
-                sheet.path(&trace(&panel, t, series.y, strip.held), series.ink.class());
+                sheet.curve(&trace(&panel, t, series.y, strip.held), series.ink.class(), series.label);
             }
             // Its edges once more on top: a residual that is all noise would hide the band.
             for edge in strip.band.iter().flat_map(|sigma| [*sigma, -*sigma]) {

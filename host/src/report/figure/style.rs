@@ -42,5 +42,9 @@ svg .bar-before{fill:var(--before);stroke:var(--before);stroke-width:1}
 svg .bar-after{fill:var(--paper);stroke:var(--after);stroke-width:1.8}
 svg .column{fill:var(--wash);stroke:none}
 svg .pill{fill:var(--paper);stroke:var(--after);stroke-width:1.4}
+svg .unseen{stroke:var(--before);stroke-opacity:0}
+svg .cursor{stroke:var(--muted);stroke-width:1;stroke-dasharray:3 3}
+svg .spot{stroke:var(--paper);stroke-width:1.5}
+svg .chosen{fill:var(--after);opacity:.14;stroke:none}
 svg .paper{fill:var(--paper)}
 ";

@@ -4,6 +4,7 @@
 #![cfg(unix)]
 
 mod capture;
+mod documents;
 mod peer;
 mod port;
 mod run;

@@ -164,6 +164,7 @@ fn ports_are_listed_and_the_only_one_that_answers_is_used() {
     let silent = Peer::new(Vec::new(), |_| (Vec::new(), Then::Stay));
     let listed = with_boards(&[&one, &silent], &["device", "list", "--json"]);
     let document: serde_json::Value = serde_json::from_str(&told(&listed)).unwrap();
+    crate::json_schema::valid("device-list", &document);
     let entry =
         |peer: &Peer| document.as_array().unwrap().iter().find(|entry| entry["port"] == peer.port.as_str()).unwrap();
     assert_eq!((&entry(&one)["answers"], &entry(&one)["board"]), (&true.into(), &"script".into()), "{document}");

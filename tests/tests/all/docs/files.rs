@@ -40,17 +40,20 @@ impl Files {
             }
             CliCommand::Discover(a) => {
                 files.reads.extend([a.recordings.clone(), a.holdout.clone(), some(&a.model), some(&a.fleet)].concat());
-                files.writes.extend([target(&a.output), target(&a.report)].concat());
+                files.writes.extend([target(&a.output), target(&a.report), some(&a.figures.figures)].concat());
             }
             CliCommand::Identify(a) => {
                 files.reads.clone_from(&a.recordings);
-                files.writes = target(&a.output);
+                files.writes = [target(&a.output), some(&a.figures.figures)].concat();
             }
             CliCommand::Look(a) => {
                 files.reads.clone_from(&a.files);
                 files.writes = target(&a.figure);
             }
-            CliCommand::Sinefit(a) => files.reads.push(a.recording.clone()),
+            CliCommand::Sinefit(a) => {
+                files.reads.push(a.recording.clone());
+                files.writes = some(&a.figures.figures);
+            }
             CliCommand::VirtualBoard(a) => {
                 files.reads.extend([some(&a.plant), some(&a.image)].concat());
                 files.writes = some(&a.flash);
@@ -61,7 +64,7 @@ impl Files {
                 if !a.reference.contains(':') {
                     files.reads.push(a.reference.clone().into());
                 }
-                files.writes = [some(&a.output), target(&a.report)].concat();
+                files.writes = [some(&a.output), target(&a.report), some(&a.figures.figures)].concat();
             }
             CliCommand::Tune(a) => {
                 files.reads.push(a.model.clone());

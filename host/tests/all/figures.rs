@@ -1,0 +1,82 @@
+//! `--figures`: every figure as a drawing and a table, and never over what somebody else wrote.
+
+use std::fs;
+use std::path::Path;
+
+use super::support::{breakaway, text};
+
+const MODEL: &str = "base = { b = 0.02685, c = 0.11, f1 = 0.5 }\nunits = { u = \"V\", x = \"rad\" }\n";
+const RELAY: &str = "name = \"relay\"\nduration_s = 2.0\nexcitation = { kind = \"relay\", h1 = 2.0, h2 = 1.5 }\n";
+
+fn recording(place: &Path) {
+    fs::write(place.join("model.toml"), MODEL).unwrap();
+    fs::write(place.join("relay.toml"), RELAY).unwrap();
+    let line = ["simulate", "--model", "model.toml", "--experiment", "relay.toml", "-o", "rec.csv"];
+    assert!(breakaway(place, &line).status.success());
+}
+
+/// Names of the files of a folder, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn commands_write_every_figure_as_svg_and_csv() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    recording(place);
+    // What the table's first column and some other column are.
+    for (line, figures, columns) in [
+        ("sinefit rec.csv", 1, ["time (s)", "x: fitted sine (rad)"]),
+        ("identify rec.csv", 1, ["time (s)", "position: simulated (rad)"]),
+        ("track --model model.toml --reference sine:1,1 --duration 2", 2, ["time (s)", "drive: PID alone (V)"]),
+    ] {
+        let folder = place.join(line.split(' ').next().unwrap());
+        let words: Vec<&str> = line.split(' ').chain(["--figures", folder.to_str().unwrap()]).collect();
+        for again in ["first", "over its own"] {
+            let run = breakaway(place, &words);
+            assert!(run.status.success(), "{line}, {again}: {}", text(&run.stderr));
+        }
+        let names = names(&folder);
+        assert_eq!(names.len(), 2 * figures, "{names:?}");
+        for pair in names.chunks(2) {
+            assert_eq!(pair[0].strip_suffix(".csv"), pair[1].strip_suffix(".svg"), "{names:?}");
+            let svg = fs::read_to_string(folder.join(&pair[1])).unwrap();
+            assert!(svg.starts_with("<svg ") && svg.contains("<style>") && svg.contains("xmlns="), "{pair:?}");
+        }
+        let tables: Vec<String> = names
+            .iter()
+            .filter(|name| name.strip_suffix(".csv").is_some())
+            .map(|name| fs::read_to_string(folder.join(name)).unwrap())
+            .collect();
+        for column in columns {
+            let header = |table: &String| table.lines().nth(1).unwrap().split(',').any(|name| name == column);
+            assert!(tables.iter().any(header), "{line}: {column} in {:?}", tables[0].lines().nth(1));
+        }
+        assert!(tables.iter().all(|table| table.lines().count() > 100), "{line}");
+    }
+}
+
+/// A file of somebody else with a figure's name is seen before the work, and stays.
+#[test]
+fn a_strange_file_is_not_written_over() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    recording(place);
+    let folder = place.join("out");
+    fs::create_dir(&folder).unwrap();
+    fs::write(folder.join("figure-01-mine.csv"), "a,b\n1,2\n").unwrap();
+    let run = breakaway(place, &["sinefit", "rec.csv", "--figures", "out"]);
+    assert_eq!(run.status.code(), Some(1));
+    assert!(text(&run.stderr).contains("is not a figure's table that breakaway wrote"), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).is_empty());
+    assert_eq!(names(&folder), ["figure-01-mine.csv"]);
+    // Beside it, under a name that is no figure's, there is room.
+    fs::rename(folder.join("figure-01-mine.csv"), folder.join("mine.csv")).unwrap();
+    assert!(breakaway(place, &["sinefit", "rec.csv", "--figures", "out"]).status.success());
+    assert_eq!(fs::read_to_string(folder.join("mine.csv")).unwrap(), "a,b\n1,2\n");
+    assert_eq!(names(&folder).len(), 3);
+}
