@@ -1,8 +1,8 @@
-//! What is begun beside clippy and the build of the host's programs: images, QEMU, Unicorn, and the Pythons. They link on one
-//! core and wait for the network.
+//! What is begun beside clippy and the build of the host's programs: images, QEMU, Unicorn, and the Pythons. An image is
+//! linked on one core, and a download uses none.
 //!
-//! Each has a step of its own later, which finds it done, or does it again and says why it fails. What is printed and what
-//! fails here is therefore dropped.
+//! Each has a step of its own later, which finds it done, or does it again and says why it fails. Output and errors are
+//! therefore dropped here.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,10 +21,10 @@ pub struct Taken {
     pub processor_s: Option<f64>,
 }
 
-/// Does all that can be done without the host's programs, until `stopped`. They are built in other folders of the target
-/// folder, so that cargo locks neither out.
+/// Does all that can be done without the host's programs, until `stopped`. Images are built in other folders of the target
+/// folder than the host's programs, so that neither build waits for the lock of the other.
 pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
-    // The downloads first: who waits for them needs no processor. Then what takes longest.
+    // The downloads first, as clippy has the processor meanwhile. Of the images the slowest comes first.
     let fetched: [&dyn Fn() -> Result<PathBuf>; 4] =
         [&qemu::program, &|| emulator::library().map(|()| PathBuf::new()), &rp2350::emulator, &export::python];
     let images = [&cross::NUCLEO, &cross::PICO2, &cross::IMAGE, &cross::INTEGER_TICK, &cross::BUDGET];
