@@ -3,7 +3,7 @@
 mod elf;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
@@ -15,6 +15,8 @@ use crate::qemu;
 use crate::rp2350;
 use crate::run::{cargo, root};
 
+/// The program that measures the ticks of the board's image.
+pub const TICKS: &str = "ticks";
 /// What was measured on purpose, and committed.
 const RECORD: &str = "firmware/budget.toml";
 /// A number may grow by this factor before it is a failure.
@@ -47,12 +49,18 @@ struct Record {
 pub fn all(record: bool) -> Result<()> {
     let qemu = qemu::program()?;
     emulator::library()?;
-    measure(cross::install()?, Some(&qemu), true, record)
+    let ticks = cargo(["run", "--quiet", "--package", "breakaway-emulator", "--bin", TICKS]);
+    measure(cross::install()?, Some(&qemu), Some(ticks), record)
 }
 
-/// Measures, and compares or records. Without a QEMU only what the linker knows, and without a Unicorn nothing of the board's own
-/// ticks.
-pub fn measure(toolchain: Toolchain, qemu: Option<&Path>, emulated: bool, record: bool) -> Result<()> {
+/// The program that measures the board's ticks, as a build in the profile `dev` leaves it.
+pub fn ticks() -> PathBuf {
+    cross::target_folder().join("debug").join(format!("{TICKS}{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// Measures, and compares or records. Without a QEMU only what the linker knows, and without `ticks` (which need a Unicorn)
+/// nothing of the board's own ticks.
+pub fn measure(toolchain: Toolchain, qemu: Option<&Path>, ticks: Option<Command>, record: bool) -> Result<()> {
     cross::build(toolchain, &cross::INTEGER_TICK)?;
     elf::integers_only(&cross::binary(&cross::INTEGER_TICK, "integer-tick"))?;
     cross::build(toolchain, &cross::BUDGET)?;
@@ -63,8 +71,8 @@ pub fn measure(toolchain: Toolchain, qemu: Option<&Path>, emulated: bool, record
         now.extend(counted(qemu, sizes.ram)?);
     }
     emulator::image(toolchain)?;
-    if emulated {
-        now.extend(numbers(cargo(["run", "--quiet", "--package", "breakaway-emulator", "--bin", "ticks"]))?);
+    if let Some(ticks) = ticks {
+        now.extend(numbers(ticks)?);
     }
     let nucleo = elf::sizes(&cross::binary(&cross::NUCLEO, "nucleo-g474re"))?;
     now.insert("nucleo_flash_bytes".into(), nucleo.flash);

@@ -1,9 +1,12 @@
 //! `cargo xtask test`: everything a change must pass.
 
 use std::process::{Command, ExitCode};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 
+use crate::ahead;
 use crate::budget;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
@@ -32,17 +35,20 @@ fn steps(report: &mut Report) -> Result<()> {
         setup::components()?;
         run(&mut cargo(["fmt", "--all", "--", "--check"]))
     })?;
-    report.check("clippy", || {
-        run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))?;
-        // As its user builds it: without the features that the tests bring.
-        run(&mut cargo(["clippy", "--package", "breakaway", "--", "-D", "warnings"]))
-    })?;
-    words_interface_licences(report)?;
     let mut toolchain = Toolchain::Active;
     report.check("toolchain for the microcontrollers", || {
         toolchain = cross::install()?;
         Ok(())
     })?;
+    let stopped = AtomicBool::new(false);
+    let taken = thread::scope(|scope| {
+        let ahead = scope.spawn(|| ahead::all(toolchain, &stopped));
+        let result = host_without_tests(report);
+        stopped.store(result.is_err(), Ordering::Relaxed);
+        result?;
+        ahead.join().map_err(|_| anyhow!("what was begun ahead has panicked"))
+    })?;
+    report.beside("images, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
     let (mut qemu, mut missing) = (None, None);
     report.check("image of the virtual board, and QEMU", || {
         image::build(toolchain)?;
@@ -73,7 +79,8 @@ fn steps(report: &mut Report) -> Result<()> {
         }
         _ => true,
     };
-    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), emulated, false))?;
+    let ticks = emulated.then(|| Command::new(budget::ticks()));
+    report.check("budget of the firmware", || budget::measure(toolchain, qemu.as_deref(), ticks, false))?;
     let mut python = None;
     report.check("Python for the emulated Pico 2", || {
         python = Some(rp2350::emulator());
@@ -101,28 +108,45 @@ fn steps(report: &mut Report) -> Result<()> {
     let simulators = matches!(simulators, Some(Ok(_)));
     let programs = [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
-    report.tests("documentation tests", || {
-        run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
-    })?;
+    report.tests("documentation tests", || run_counting(cargo(["test", "--doc", "--no-fail-fast"]).args(TESTED)))?;
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;
     }
     Ok(())
 }
 
+/// What needs nothing but the host's toolchain.
+fn host_without_tests(report: &mut Report) -> Result<()> {
+    report.check("clippy", || {
+        run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))?;
+        // As its user builds it: without the features that the tests bring.
+        run(&mut cargo(["clippy", "--package", "breakaway", "--", "-D", "warnings"]))
+    })?;
+    words_interface_licences(report)?;
+    report.check("host programs", host_programs)
+}
+
+/// What the tests are of. Of the examples, the benches and what they are compared with, clippy has seen that they compile; there are
+/// no tests in them.
+const TESTED: [&str; 4] = ["--workspace", "--exclude", "breakaway-bench", "--all-features"];
+
+/// The tests' programs, and what measures the board's ticks. One build with one set of features: each other set would build the host
+/// anew.
+fn host_programs() -> Result<()> {
+    run(cargo(["build"]).args(TESTED).args(["--tests", "--bin", budget::TICKS]))
+}
+
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
 /// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
 fn host_tests(programs: [(&str, bool); 3]) -> Command {
-    // Of the examples and benches clippy has seen that they compile.
-    let targets = ["--workspace", "--all-features", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {
-        let mut command = cargo(["test"]);
-        command.args(targets);
+        let mut command = cargo(["test", "--tests", "--no-fail-fast"]);
+        command.args(TESTED);
         return command;
     }
-    let mut command = cargo(["nextest", "run"]);
+    let mut command = cargo(["nextest", "run", "--tests", "--no-fail-fast"]);
     // What passed is counted and its time read, not shown.
-    command.args(targets).args(["--status-level", "pass", "--color", "never"]);
+    command.args(TESTED).args(["--status-level", "pass", "--color", "never"]);
     let left_out = programs.into_iter().filter(|(_, there)| !there);
     let left_out: Vec<String> = left_out.map(|(program, _)| format!("not binary({program})")).collect();
     if !left_out.is_empty() {

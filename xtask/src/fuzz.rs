@@ -10,7 +10,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::run::{cargo, processor_time_s, root, run, succeeds};
+use crate::processor;
+use crate::run::{cargo, root, run, succeeds};
 
 /// One input may take this long, s, and this much memory, MiB.
 const TIMEOUT_S: u64 = 20;
@@ -104,9 +105,9 @@ fn one(target: &str, seconds: u64) -> Result<Outcome> {
         run(&mut fuzz("build", target))?;
         let rest = (seconds as f64 - all.time_s).ceil().max(SHORTEST_S);
         let before = all.clone();
-        let begin = processor_time_s()?;
+        let begin = processor::time_s()?;
         all = round(target, rest)?;
-        all.time_s = before.time_s + processor_time_s()? - begin;
+        all.time_s = before.time_s + processor::time_s()? - begin;
         all.executions += before.executions;
     }
     Ok(all)

@@ -2,6 +2,7 @@
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
 //! `logs-test`.
 
+mod ahead;
 mod arrows;
 mod bench;
 mod budget;
@@ -16,6 +17,7 @@ mod image;
 mod logs;
 mod loops;
 mod miri;
+mod processor;
 mod qemu;
 mod report;
 mod rp2350;

@@ -1,15 +1,17 @@
 //! Running commands: never interactive, always named when they fail.
 
+use std::cell::Cell;
 use std::env;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 
+use crate::processor;
 use crate::report::Tests;
 
 /// The cargo that runs this program (so that all steps use one toolchain), at the root of the workspace.
@@ -29,10 +31,23 @@ pub fn root() -> &'static Path {
     xtask.parent().unwrap_or(xtask)
 }
 
+thread_local! {
+    /// Whether the commands of this thread run beside those of the steps.
+    static BESIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does `work` with its commands unseen, and with their processor time counted by itself.
+pub fn beside(work: impl FnOnce()) {
+    BESIDE.set(true);
+    work();
+    BESIDE.set(false);
+}
+
 /// Runs to the end, output passed through.
 pub fn run(command: &mut Command) -> Result<()> {
     let line = announce(command);
-    let status = command.status().with_context(|| line.clone())?;
+    let mut child = command.spawn().with_context(|| line.clone())?;
+    let status = wait(&mut child).with_context(|| line.clone())?;
     if !status.success() {
         bail!("{line}: {status}");
     }
@@ -45,7 +60,7 @@ pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
     let mut child = command.spawn().with_context(|| line.clone())?;
     let end = Instant::now() + limit;
     loop {
-        if let Some(status) = child.try_wait()? {
+        if let Some(status) = ended(&mut child)? {
             if status.success() {
                 return Ok(());
             }
@@ -56,7 +71,7 @@ pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
             child.wait()?;
             bail!("{line}: ended after {} s", limit.as_secs());
         }
-        thread::sleep(Duration::from_millis(50));
+        thread::sleep(LOOK);
     }
 }
 
@@ -97,16 +112,31 @@ pub fn answer(command: &mut Command) -> Option<String> {
     output.status.success().then_some(text)
 }
 
-/// Processor time of the commands that have ended, and of theirs, s (proc_pid_stat(5): `cutime` and `cstime`).
-pub fn processor_time_s() -> Result<f64> {
-    /// `sysconf(_SC_CLK_TCK)`, which Linux keeps at 100 for whoever reads /proc.
-    const TICKS_PER_S: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat").context("processor time is read from Linux's /proc")?;
-    // The program's name is in brackets, and may hold blanks; the state, which is field 3, comes after it.
-    let fields = stat.rsplit_once(')').map_or("", |(_, after)| after).split_whitespace();
-    let ticks: Vec<f64> = fields.skip(16 - 3).take(2).filter_map(|field| field.parse().ok()).collect();
-    ensure!(ticks.len() == 2, "/proc/self/stat: {stat}");
-    Ok(ticks.iter().sum::<f64>() / TICKS_PER_S)
+/// Between two looks at a command, which takes seconds.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Waits for the end.
+fn wait(child: &mut Child) -> std::io::Result<ExitStatus> {
+    if !BESIDE.get() {
+        return child.wait();
+    }
+    loop {
+        if let Some(status) = ended(child)? {
+            return Ok(status);
+        }
+        thread::sleep(LOOK);
+    }
+}
+
+/// How it has ended, if it has.
+fn ended(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
+    // Once it has been waited for, its time is part of that of all commands.
+    let used = if BESIDE.get() { processor::ticks_of(child) } else { None };
+    let status = child.try_wait()?;
+    if status.is_some() {
+        processor::was_beside(used.unwrap_or(0));
+    }
+    Ok(status)
 }
 
 /// Copies line by line, but the lines of tests that passed.
@@ -138,20 +168,10 @@ fn announce(command: &mut Command) -> String {
     let args = command.get_args().map(|arg| arg.display().to_string());
     let words: Vec<String> = environment.chain([name]).chain(args).collect();
     let line = words.join(" ");
-    println!("$ {line}");
-    line
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-
-    /// A shell that counts to a hundred thousand takes some time, and it is counted once it has ended.
-    #[test]
-    fn the_time_of_a_command_is_counted() {
-        let before = processor_time_s().unwrap();
-        run(Command::new("sh").args(["-c", "i=0; while [ $i -lt 100000 ]; do i=$((i+1)); done"])).unwrap();
-        let taken = processor_time_s().unwrap() - before;
-        assert!(taken >= 0.01, "{taken} s");
+    if BESIDE.get() {
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+    } else {
+        println!("$ {line}");
     }
+    line
 }

@@ -8,7 +8,7 @@ use anyhow::Result;
 
 pub use lines::{Counts, Tests, Timed};
 
-use crate::run::processor_time_s;
+use crate::processor;
 
 /// Tests that are named for their time.
 const SLOWEST: usize = 10;
@@ -42,17 +42,22 @@ impl Report {
     /// A step that runs tests and counts them. Failing without a failed test (it did not compile) is one failure.
     pub fn tests(&mut self, title: &'static str, step: impl FnOnce() -> (Tests, Result<()>)) -> Result<()> {
         println!("\n==> {title}");
-        let (start, before) = (Instant::now(), processor_time_s());
+        let (start, before) = (Instant::now(), processor::time_s());
         let (mut tests, result) = step();
         if result.is_err() {
             tests.counts.failed = tests.counts.failed.max(1);
         }
         self.tests += tests;
-        let processor_s = before.and_then(|before| Ok(processor_time_s()? - before)).ok();
+        let processor_s = before.and_then(|before| Ok(processor::time_s()? - before)).ok();
         let step = Step { title, time: start.elapsed(), processor_s };
         println!("    {title}: {:.1} s", step.time.as_secs_f64());
         self.steps.push(step);
         result
+    }
+
+    /// Work that went on beside the steps before, and is checked by those after.
+    pub fn beside(&mut self, title: &'static str, time: Duration, processor_s: Option<f64>) {
+        self.steps.push(Step { title, time, processor_s });
     }
 
     /// Something that could not be run here, and why.
