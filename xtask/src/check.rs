@@ -5,6 +5,7 @@ use std::process::{Command, ExitCode};
 use anyhow::{Result, bail};
 
 use crate::budget;
+use crate::chromium;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
@@ -14,6 +15,7 @@ use crate::report::Report;
 use crate::rp2350;
 use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
+use crate::web;
 use crate::words::words_interface_licences;
 
 /// Runs all steps, stops at the first that fails; ends with times, what was not run, and `N passed, N failed`.
@@ -99,7 +101,21 @@ fn steps(report: &mut Report) -> Result<()> {
         report.not_run(format!("exported models in MuJoCo: {error:#}"));
     }
     let simulators = matches!(simulators, Some(Ok(_)));
-    let programs = [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators)];
+    report.check("page for the browser", web::build)?;
+    let mut browser = None;
+    report.check("Chromium", || {
+        browser = Some(chromium::program());
+        match &browser {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    if let Some(Err(error)) = &browser {
+        report.not_run(format!("the page in a browser: {error:#}"));
+    }
+    let browser = matches!(browser, Some(Ok(_)));
+    let programs =
+        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
@@ -112,7 +128,7 @@ fn steps(report: &mut Report) -> Result<()> {
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
 /// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
-fn host_tests(programs: [(&str, bool); 3]) -> Command {
+fn host_tests(programs: [(&str, bool); 4]) -> Command {
     // Of the examples and benches clippy has seen that they compile.
     let targets = ["--workspace", "--all-features", "--tests", "--no-fail-fast"];
     if !succeeds(&mut cargo(["nextest", "--version"])) {

@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `fuzz`, `miri`,
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`,
 //! `logs-test`.
 
@@ -6,6 +6,7 @@ mod arrows;
 mod bench;
 mod budget;
 mod check;
+mod chromium;
 mod cross;
 mod debian;
 mod emulator;
@@ -22,6 +23,7 @@ mod rp2350;
 mod run;
 mod setup;
 mod soak;
+mod web;
 mod words;
 
 use std::process::ExitCode;
@@ -52,6 +54,8 @@ enum Task {
         #[arg(long)]
         record: bool,
     },
+    /// Build the page that identifies and discovers in a browser, as web/index.html in the target folder
+    Web,
     /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
         /// Inputs: recording, log, model, controller, experiment, frame, command, flash; all of them where none is named
@@ -118,6 +122,7 @@ fn main() -> ExitCode {
         Task::Emulator => emulator::all(),
         Task::Image => image::all(),
         Task::Uf2 => rp2350::all(),
+        Task::Web => web::build(),
         Task::Pico2Test => rp2350::test(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),

@@ -1,10 +1,9 @@
 //! The way through a discovery. The judge rules on the forces. The simulated motion gives parameters and small effects.
 //! What was found is then assembled.
 
-use std::time::Instant;
-
 use breakaway_core::plant::effect::{ActsIn, Instant as PlantInstant};
 use breakaway_core::plant::{Base, Effect, Kind};
+use web_time::Instant;
 
 use super::by_force;
 use super::corroboration;
