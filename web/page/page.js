@@ -57,7 +57,7 @@ async function lookAt(file) {
   const flag = (name) => seen.command?.match(new RegExp(`${name} (\\S+)`))?.[1] ?? "";
   $("time_unit").value = flag("--time-unit");
   $("wrap").value = flag("--wrap");
-  $("faults").replaceChildren(...seen.faults.map((fault) => Object.assign(document.createElement("li"), { textContent: fault.text })));
+  $("faults").replaceChildren(...seen.faults.map((fault) => Object.assign(document.createElement("li"), { textContent: fault.text, className: fault.kind })));
   show("columns", true);
 }
 
@@ -114,6 +114,7 @@ $("run").onclick = async () => {
   say("");
   show("result", false);
   working(true);
+  $("work").scrollIntoView({ block: "nearest" });
   const began = performance.now();
   const step = progress(began);
   step({ step: "loading" });
@@ -151,5 +152,7 @@ function present(result) {
   frame.onload = () => { frame.style.height = `${frame.contentDocument.documentElement.scrollHeight + 4}px`; };
   frame.srcdoc = result.report;
   show("result", true);
+  $("result").scrollIntoView();
+  // For whoever drives the page by a program.
   window.breakaway = result;
 }

@@ -29,7 +29,7 @@ pub fn program() -> Result<PathBuf> {
         }
         return Ok(named.into());
     }
-    if let Some(installed) = INSTALLED.into_iter().find(starts) {
+    if let Some(installed) = INSTALLED.into_iter().find(|name| starts(name)) {
         return Ok(installed.into());
     }
     // Where the test looks for it.
@@ -58,7 +58,7 @@ fn unpack(script: &Path) -> Result<()> {
 }
 
 /// Whether a program starts and shows an empty page. Its version alone would not tell that its libraries are there.
-fn starts(program: &impl AsRef<OsStr>) -> bool {
+fn starts(program: impl AsRef<OsStr>) -> bool {
     let flags = ["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", "about:blank"];
     succeeds(Command::new(program).args(flags))
 }

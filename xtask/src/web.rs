@@ -16,7 +16,7 @@ const WRITTEN: [&str; 4] = ["index.html", "page.js", "style.css", "worker.js"];
 /// Builds the page.
 pub fn build() -> Result<()> {
     cross::install_wasm()?;
-    run(cargo(["build", "--package", "breakaway-web", "--target", cross::WASM, "--profile", PROFILE]))?;
+    run(&mut cargo(["build", "--package", "breakaway-web", "--target", cross::WASM, "--profile", PROFILE]))?;
     let folder = folder();
     if folder.exists() {
         // What is left of an earlier build would be handed out with it.

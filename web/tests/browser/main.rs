@@ -12,6 +12,7 @@ macro_rules! needs {
 }
 
 mod chromium;
+mod data;
 mod errors;
 mod page;
 mod results;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use breakaway::command::recording_args::RecordingArgs;
-use breakaway_tests::measured_data;
 
+use super::data::measured_data;
 use super::page::Page;
 
 /// What the command says of a file, without its folder, which a browser does not tell.

@@ -6,9 +6,9 @@ use breakaway::command::{discover, identify};
 use breakaway::fleet::machine::Inputs;
 use breakaway::identify::estimate;
 use breakaway::report::json::Document;
-use breakaway_tests::measured_data;
 use serde_json::{Value, json};
 
+use super::data::measured_data;
 use super::page::Page;
 
 /// Relative difference up to which two numbers are equal. Sine, cosine and exponential of the two platforms differ in the
