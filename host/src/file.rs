@@ -1,15 +1,21 @@
 //! Files that are written whole or not at all, and never over what breakaway did not write.
 
+#[cfg(feature = "command")]
+mod beside;
 mod error;
 mod kind;
+#[cfg(not(feature = "command"))]
+mod no_files;
 mod target;
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::interrupt;
+#[cfg(not(feature = "command"))]
+use no_files as beside;
 
+pub use beside::can_write;
 pub use error::{FileError, is_standard_input, read_as, shown};
 pub use kind::{CARD_MARK, EXPORT_MARK, FIGURE_MARK, FileKind, PAGE_MARK, TABLE_MARK};
 pub use target::{Target, TargetError, apart, inside, may_write};
@@ -38,52 +44,7 @@ where
         Ok(_) => fs::canonicalize(path)?,
         Err(_) => path.to_path_buf(),
     };
-    let (temporary, guard) = interrupt::remove_if_interrupted(|| beside(&target))?;
-    let mut out = BufWriter::with_capacity(1 << 16, temporary);
-    content(&mut out)?;
-    let temporary = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    temporary.as_file().sync_all()?;
-    temporary.persist(target).map_err(|failed| failed.error)?;
-    drop(guard);
-    Ok(())
-}
-
-/// A new file in the folder of `target`.
-fn beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let folder = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".breakaway-");
-    // The default of 0600 would survive the rename; 0666 less the umask is what any other program would give.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // What the system says names the temporary file, which means nothing to the reader.
-    builder.tempfile_in(&folder).map_err(|error| {
-        let name = folder.display();
-        let reason = match fs::metadata(&folder) {
-            Err(missing) if missing.kind() == io::ErrorKind::NotFound => {
-                format!("the folder {name} is not there; make it first")
-            }
-            Ok(found) if !found.is_dir() => format!("{name} is a file, not a folder"),
-            _ => format!("the folder {name} takes no new file: {}", error.kind()),
-        };
-        io::Error::new(error.kind(), reason)
-    })
-}
-
-/// Checks that [`write_whole`] could begin now: for before long work, not after it. Nothing is changed.
-///
-/// # Errors
-/// What `write_whole` would report.
-pub fn can_write(path: &Path) -> io::Result<()> {
-    match fs::metadata(path) {
-        Ok(found) if found.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory, not a file")),
-        Ok(found) if !found.is_file() => OpenOptions::new().write(true).open(path).map(drop),
-        Ok(_) => interrupt::remove_if_interrupted(|| beside(&fs::canonicalize(path)?)).map(drop),
-        Err(_) => interrupt::remove_if_interrupted(|| beside(path)).map(drop),
-    }
+    beside::replace(&target, content)
 }
 
 /// Makes a folder, and those it is in.

@@ -3,6 +3,7 @@
 
 pub mod command;
 pub mod control;
+#[cfg(feature = "command")]
 pub mod device;
 pub mod discover;
 pub mod export;
@@ -10,6 +11,7 @@ pub mod file;
 pub mod fit;
 pub mod fleet;
 pub mod identify;
+#[cfg(feature = "command")]
 pub mod interrupt;
 pub mod look;
 pub mod mistaken;

@@ -8,6 +8,7 @@ use anyhow::{Result, anyhow, bail};
 
 use crate::ahead;
 use crate::budget;
+use crate::chromium;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
@@ -17,6 +18,7 @@ use crate::report::Report;
 use crate::rp2350;
 use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
+use crate::web;
 use crate::words::words_interface_licences;
 
 /// Runs all steps, stops at the first that fails; ends with times, what was not run, and `N passed, N failed`.
@@ -106,7 +108,21 @@ fn steps(report: &mut Report) -> Result<()> {
         report.not_run(format!("exported models in MuJoCo: {error:#}"));
     }
     let simulators = matches!(simulators, Some(Ok(_)));
-    let programs = [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators)];
+    report.check("page for the browser", web::build)?;
+    let mut browser = None;
+    report.check("Chromium", || {
+        browser = Some(chromium::program());
+        match &browser {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    if let Some(Err(error)) = &browser {
+        report.not_run(format!("the page in a browser: {error:#}"));
+    }
+    let browser = matches!(browser, Some(Ok(_)));
+    let programs =
+        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
     report.tests("documentation tests", || run_counting(cargo(["test", "--doc", "--no-fail-fast"]).args(TESTED)))?;
     for (title, build) in cross::BUILDS {
@@ -138,7 +154,7 @@ fn host_programs() -> Result<()> {
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
 /// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
-fn host_tests(programs: [(&str, bool); 3]) -> Command {
+fn host_tests(programs: [(&str, bool); 4]) -> Command {
     if !succeeds(&mut cargo(["nextest", "--version"])) {
         let mut command = cargo(["test", "--tests", "--no-fail-fast"]);
         command.args(TESTED);

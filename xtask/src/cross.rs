@@ -128,7 +128,7 @@ pub fn install() -> Result<Toolchain> {
     if TARGETS.into_iter().all(installed) {
         return Ok(Toolchain::Active);
     }
-    let by_rustup = rustup_add();
+    let by_rustup = rustup_add(&TARGETS);
     match by_rustup {
         Ok(()) if TARGETS.into_iter().all(installed) => return Ok(Toolchain::Active),
         Ok(()) => println!("rustup has another toolchain than {}", rustc().get_program().display()),
@@ -141,7 +141,18 @@ pub fn install() -> Result<Toolchain> {
     Ok(Toolchain::Debian)
 }
 
-fn rustup_add() -> Result<()> {
+/// What a browser runs.
+pub const WASM: &str = "wasm32-unknown-unknown";
+
+/// Sees to it that the active toolchain builds for a browser.
+pub fn install_wasm() -> Result<()> {
+    if !installed(WASM) {
+        rustup_add(&[WASM])?;
+    }
+    if installed(WASM) { Ok(()) } else { bail!("install the target by `rustup target add {WASM}`") }
+}
+
+fn rustup_add(targets: &[&str]) -> Result<()> {
     if !succeeds(Command::new("rustup").arg("--version")) {
         bail!("no rustup here");
     }
@@ -149,7 +160,7 @@ fn rustup_add() -> Result<()> {
     // being there already says that this machine has been refused before.
     let limit = if rust::is_there() { 20 } else { 180 };
     let mut command = Command::new("rustup");
-    run_within(command.args(["target", "add"]).args(TARGETS), Duration::from_secs(limit))
+    run_within(command.args(["target", "add"]).args(targets), Duration::from_secs(limit))
 }
 
 fn rustc() -> Command {

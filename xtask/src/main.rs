@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `fuzz`, `miri`,
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
 //! `logs-test`.
 
@@ -7,6 +7,7 @@ mod arrows;
 mod bench;
 mod budget;
 mod check;
+mod chromium;
 mod cross;
 mod debian;
 mod emulator;
@@ -25,6 +26,7 @@ mod run;
 mod setup;
 mod site;
 mod soak;
+mod web;
 mod words;
 
 use std::process::ExitCode;
@@ -55,6 +57,8 @@ enum Task {
         #[arg(long)]
         record: bool,
     },
+    /// Build the page that identifies and discovers in a browser, as web/index.html in the target folder
+    Web,
     /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
         /// Inputs: recording, log, model, controller, experiment, frame, command, flash; all of them where none is named
@@ -123,6 +127,7 @@ fn main() -> ExitCode {
         Task::Emulator => emulator::all(),
         Task::Image => image::all(),
         Task::Uf2 => rp2350::all(),
+        Task::Web => web::build(),
         Task::Pico2Test => rp2350::test(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 
+use crate::chromium;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::qemu;
@@ -15,6 +16,8 @@ pub fn all() -> Result<()> {
     components()?;
     let qemu = qemu::program()?;
     emulator::library()?;
+    cross::install_wasm()?;
+    chromium::program()?;
     let whose = match cross::install()? {
         Toolchain::Active => "the active",
         Toolchain::Debian => "Debian's",

@@ -1,5 +1,6 @@
 //! `breakaway discover`.
 
+#[cfg(feature = "command")]
 pub mod fleet;
 
 use std::fmt::Write as _;
@@ -9,19 +10,27 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use super::console;
+#[cfg(feature = "command")]
 use super::figures::FiguresArgs;
+#[cfg(feature = "command")]
 use super::output::Output;
+#[cfg(feature = "command")]
 use super::progress::Steps;
 use super::recording_args::RecordingArgs;
+use super::session::Session;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
 use crate::discover::progress::Watch;
-use crate::file::{FileKind, Target, shown};
+#[cfg(feature = "command")]
+use crate::file::FileKind;
+use crate::file::Target;
 use crate::fit::Candidate;
+#[cfg(feature = "command")]
 use crate::fleet::machine::Inputs;
-use crate::model::{BaseSe, EffectEntry, Model};
+use crate::model::{BaseSe, EffectEntry, Model, ModelError};
 use crate::recording::Recording;
 use crate::report::discovery::{self, Fold};
+#[cfg(feature = "command")]
 use crate::report::json;
 
 /// Find where simulation and recordings disagree, name the missing effect, add it to the model
@@ -59,6 +68,7 @@ pub struct Args {
     #[arg(long, value_name = "R.html", conflicts_with = "fleet")]
     pub report: Option<Target>,
     /// Figures.
+    #[cfg(feature = "command")]
     #[command(flatten)]
     pub figures: FiguresArgs,
     /// Work on all machines of this folder; each has a folder of its own
@@ -80,6 +90,7 @@ impl Args {
     ///
     /// # Errors
     /// A file that cannot be read or written; recordings from which nothing can be identified.
+    #[cfg(feature = "command")]
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         if let (Some(folder), Some(results)) = (&self.fleet, &self.output) {
             let Target::File(results) = results else { return output.folder("-".as_ref(), "a folder").map(|_| ()) };
@@ -119,10 +130,27 @@ impl Args {
 ///
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
+#[cfg(feature = "command")]
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: Watch<'_>) -> anyhow::Result<(Discovery, Vec<Fold>)> {
-    let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let model = || inputs.model.as_deref().map(Model::read).transpose();
+    find_in(fit, score, model, progress)
+}
+
+/// Discovers in recordings that are read already; `model` gives the one to start from. Gives the discovery with the
+/// folds of its effects.
+///
+/// # Errors
+/// A recording that is held out as well; those of `model`; recordings from which nothing can be identified.
+pub fn find_in(
+    mut fit: Session,
+    mut score: Session,
+    model: impl FnOnce() -> Result<Option<Model>, ModelError>,
+    progress: Watch<'_>,
+) -> anyhow::Result<(Discovery, Vec<Fold>)> {
     fit.is_apart_from(&score)?;
-    let mut model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let mut model = model()?;
+    let first = fit.hashes.first().map(|(file, _)| file.clone()).unwrap_or_default();
     if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
         model.in_radians(radians);
     }
@@ -134,7 +162,6 @@ pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: Watch<'_>) -> an
         model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
         provenance: provenance(fit.hashes.into_iter().chain(score.hashes)),
     };
-    let first = inputs.fit.first().map(|path| shown(path)).unwrap_or_default();
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
     found.remarks.extend(converted.map(|unit| {
@@ -176,7 +203,7 @@ fn provenance(inputs: impl Iterator<Item = (String, String)>) -> Provenance {
 }
 
 /// The result for people.
-fn in_words(found: &Discovery) -> String {
+pub fn in_words(found: &Discovery) -> String {
     let mut text = format!("{}: {}\n", found.verdict.name().replace('_', " "), discovery::sentence::sentence(found));
     for effect in &found.effects {
         let _ = writeln!(text, "\n{}: {}", effect.kind.name(), effect.kind.definition().law);

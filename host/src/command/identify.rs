@@ -1,23 +1,33 @@
 //! `breakaway identify`.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+#[cfg(feature = "command")]
+use std::path::Path;
+use std::path::PathBuf;
 
+#[cfg(feature = "command")]
 use anyhow::Context;
 use breakaway_core::plant::Base;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+#[cfg(feature = "command")]
 use super::figures::FiguresArgs;
+#[cfg(feature = "command")]
 use super::output::Output;
 use super::recording_args::RecordingArgs;
+#[cfg(feature = "command")]
 use super::session::Session;
-use crate::file::{FileKind, Target, shown};
+use crate::file::Target;
+#[cfg(feature = "command")]
+use crate::file::{FileKind, shown};
 use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value, Winding};
+#[cfg(feature = "command")]
 use crate::identify::typical::typical;
 use crate::model::{BaseSe, EffectEntry, Model};
 use crate::recording::Units;
 use crate::report::choice;
+#[cfg(feature = "command")]
 use crate::report::identification::typical_figure;
 use crate::report::json::Quantity;
 use crate::report::remark::RemarkJson;
@@ -44,6 +54,7 @@ pub struct Args {
     #[arg(long, value_name = "KE")]
     pub back_emf: Option<f64>,
     /// Figures.
+    #[cfg(feature = "command")]
     #[command(flatten)]
     pub figures: FiguresArgs,
     /// Columns and rows.
@@ -87,7 +98,7 @@ struct Gravity {
 
 /// The JSON document.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(in crate::command) struct Document {
+pub struct Document {
     b: Quantity,
     c: Quantity,
     f1: Quantity,
@@ -149,7 +160,8 @@ impl HeldOut {
 }
 
 impl Document {
-    fn new(result: &Identification, units: &Units, left_out: Vec<String>) -> Self {
+    /// Of an identification; `left_out` says which recordings it did without.
+    pub fn new(result: &Identification, units: &Units, left_out: Vec<String>) -> Self {
         let own = result.remarks.iter().map(|remark| RemarkJson::new(remark.kind(), remark));
         let remarks = own.chain(left_out.into_iter().map(|text| RemarkJson::new("left_out", &text)));
         let best = Row::new(&result.best, units);
@@ -198,6 +210,7 @@ impl Args {
     ///
     /// # Errors
     /// A recording that cannot be used; data that determine no model; a model file that cannot be written.
+    #[cfg(feature = "command")]
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         let targets: Vec<(&Target, FileKind)> = self.output.iter().map(|target| (target, FileKind::Model)).collect();
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
@@ -253,7 +266,7 @@ fn row(text: &mut String, name: &str, quantity: &Quantity) {
 }
 
 /// The result for people.
-fn table(document: &Document) -> String {
+pub fn table(document: &Document) -> String {
     let mut text = String::new();
     row(&mut text, "b", &document.b);
     row(&mut text, "c", &document.c);

@@ -4,11 +4,17 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+#[cfg(feature = "command")]
 use super::UsageError;
+#[cfg(feature = "command")]
 use super::output::Output;
 use super::recording_args::RecordingArgs;
-use crate::file::{FileKind, Target, shown};
-use crate::look::{Fault, Guess, Look, Summary, look};
+use crate::file::Target;
+#[cfg(feature = "command")]
+use crate::file::{FileKind, shown};
+#[cfg(feature = "command")]
+use crate::look::look;
+use crate::look::{Fault, Guess, Look, Summary};
 use crate::recording::formats::Format;
 use crate::report::look as report;
 
@@ -69,7 +75,7 @@ struct FileJson<'a> {
 
 /// The JSON document.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub(in crate::command) struct Document<'a> {
+pub struct Document<'a> {
     version: &'static str,
     files: Vec<FileJson<'a>>,
 }
@@ -102,6 +108,14 @@ impl<'a> From<&'a Look> for FileJson<'a> {
     }
 }
 
+impl<'a> Document<'a> {
+    /// Of what was seen in each file.
+    pub fn new(looks: &'a [Look]) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), files: looks.iter().map(FileJson::from).collect() }
+    }
+}
+
+#[cfg(feature = "command")]
 impl Args {
     /// Looks at each file and prints what it saw.
     ///
@@ -125,8 +139,6 @@ impl Args {
             };
             target.write_text(&report::figure(look, recording).file())?;
         }
-        let document =
-            Document { version: env!("CARGO_PKG_VERSION"), files: looks.iter().map(FileJson::from).collect() };
-        output.print(&document, |_| looks.iter().map(report::page).collect::<Vec<_>>().join("\n"))
+        output.print(&Document::new(&looks), |_| looks.iter().map(report::page).collect::<Vec<_>>().join("\n"))
     }
 }

@@ -94,7 +94,10 @@ pub fn has_printed() -> bool {
 }
 
 /// The document with its version, and with the warnings of this run among its remarks.
-pub(super) fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
+///
+/// # Errors
+/// A document that is no JSON, which none is.
+pub fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(document)?;
     if let Value::Object(fields) = &mut value {
         let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", &text));

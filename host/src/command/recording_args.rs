@@ -1,13 +1,21 @@
 //! The arguments of every command that reads recordings.
 
+use std::io::Read;
+#[cfg(feature = "command")]
 use std::path::Path;
 
 use clap::Args;
 
-use super::{console, progress};
-use crate::file::{FileError, shown};
+use super::console;
+#[cfg(feature = "command")]
+use super::progress;
+use crate::file::FileError;
+#[cfg(feature = "command")]
+use crate::file::shown;
 use crate::fleet::hash::Hashing;
-use crate::recording::{ReadOptions, Recording, RecordingError, Selection, Signal, Source, TimeUnit, Warning, Wrap};
+use crate::recording::{ReadOptions, Recording, RecordingError, Selection, TimeUnit, Wrap};
+#[cfg(feature = "command")]
+use crate::recording::{Signal, Source, Warning};
 
 /// Columns and rows of a recording; flatten it into a command's arguments.
 #[derive(Args, Clone, Debug, Default)]
@@ -75,6 +83,7 @@ impl RecordingArgs {
     ///
     /// # Errors
     /// [`RecordingError`], with file, line and column.
+    #[cfg(feature = "command")]
     pub fn read(&self, path: &Path) -> Result<Recording, RecordingError> {
         Ok(self.read_hashed(path)?.0)
     }
@@ -83,13 +92,22 @@ impl RecordingArgs {
     ///
     /// # Errors
     /// [`RecordingError`], with file, line and column.
+    #[cfg(feature = "command")]
     pub fn read_hashed(&self, path: &Path) -> Result<(Recording, String), RecordingError> {
         // A contradiction among the arguments comes before what is wrong with the file.
         self.options().check()?;
-        let file = shown(path);
-        let mut input = Hashing::new(progress::reading(Source::open(path)?));
-        let recording = Recording::read_from(&file, &mut input, &self.options())?;
-        let hash = input.finish().map_err(|error| FileError::reading(&file, &error))?;
+        self.read_input(&shown(path), progress::reading(Source::open(path)?))
+    }
+
+    /// Reads a recording from `input`; `file` is its name in messages. With it comes the SHA-256 of its bytes, in hex.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with file, line and column.
+    pub fn read_input(&self, file: &str, input: impl Read) -> Result<(Recording, String), RecordingError> {
+        self.options().check()?;
+        let mut input = Hashing::new(input);
+        let recording = Recording::read_from(file, &mut input, &self.options())?;
+        let hash = input.finish().map_err(|error| FileError::reading(file, &error))?;
         let (rows, first, last) = (recording.t.len(), recording.t[0], recording.t[recording.t.len() - 1]);
         console::detail(format_args!(
             "{file}: {rows} rows, {first:.3} s to {last:.3} s, {} gap(s)",
@@ -105,6 +123,7 @@ impl RecordingArgs {
     ///
     /// # Errors
     /// [`RecordingError`], with file, line and column.
+    #[cfg(feature = "command")]
     pub fn read_signal(&self, path: &Path, column: Option<&str>) -> Result<Signal, RecordingError> {
         self.options().check()?;
         let file = shown(path);

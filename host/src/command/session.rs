@@ -1,8 +1,11 @@
 //! Recordings of one session, as every command that takes several of them reads them.
 
+#[cfg(feature = "command")]
 use std::path::Path;
 
+#[cfg(feature = "command")]
 use super::recording_args::RecordingArgs;
+#[cfg(feature = "command")]
 use crate::file::shown;
 use crate::recording::{Recording, RecordingError, SessionError, Units, Warning};
 
@@ -19,6 +22,7 @@ pub struct Session {
     pub remarks: Vec<String>,
 }
 
+#[cfg(feature = "command")]
 impl RecordingArgs {
     /// Reads recordings of one session. A recording that does not move is left out with a remark while others move.
     ///
@@ -26,11 +30,30 @@ impl RecordingArgs {
     /// [`RecordingError`]; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
     /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
     pub fn read_session<P: AsRef<Path>>(&self, paths: &[P]) -> Result<Session, RecordingError> {
-        let mut session = Session::default();
+        let column = self.options().position_column().to_owned();
+        Session::of(&column, paths.iter().map(|path| (shown(path.as_ref()), self.read_hashed(path.as_ref()))))
+    }
+}
+
+/// Units in words.
+fn named(units: &Units) -> String {
+    format!("{} and {}", units.u, units.x)
+}
+
+impl Session {
+    /// Recordings with their hashes, as they are read one after the other; `column` is that of the position.
+    ///
+    /// # Errors
+    /// [`RecordingError`] of a file; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
+    /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
+    pub fn of(
+        column: &str,
+        read: impl IntoIterator<Item = (String, Result<(Recording, String), RecordingError>)>,
+    ) -> Result<Self, RecordingError> {
+        let mut session = Self::default();
         let mut still: Option<SessionError> = None;
-        for path in paths {
-            let file = shown(path.as_ref());
-            let (recording, hash) = self.read_hashed(path.as_ref())?;
+        for (file, read) in read {
+            let (recording, hash) = read?;
             session.hashes.push((file.clone(), hash));
             if recording.moves() {
                 session.add(file, recording)?;
@@ -42,8 +65,7 @@ impl RecordingArgs {
             };
             session.remarks.push(format!("{file} is left out: {found}"));
             if let Warning::NoMotion { range, rows } = *found {
-                let column = self.options().position_column().to_owned();
-                still.get_or_insert(SessionError::NoMotion { file, column, range, rows });
+                still.get_or_insert(SessionError::NoMotion { file, column: column.to_owned(), range, rows });
             }
         }
         match still {
@@ -51,14 +73,7 @@ impl RecordingArgs {
             _ => Ok(session),
         }
     }
-}
 
-/// Units in words.
-fn named(units: &Units) -> String {
-    format!("{} and {}", units.u, units.x)
-}
-
-impl Session {
     /// Adds a recording of the same units that is not there yet.
     fn add(&mut self, file: String, recording: Recording) -> Result<(), RecordingError> {
         if let (Some(first), Some(name)) = (self.recordings.first(), self.files.first())

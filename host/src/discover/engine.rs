@@ -2,10 +2,10 @@
 //! What was found is then assembled.
 
 use std::f64::consts::FRAC_PI_2;
-use std::time::Instant;
 
 use breakaway_core::plant::effect::Role;
 use breakaway_core::plant::{Base, Kind};
+use web_time::Instant;
 
 use super::by_force;
 use super::corroboration;

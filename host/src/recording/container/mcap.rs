@@ -6,7 +6,7 @@ use std::io::{self, Cursor, Write};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions};
 
-use super::{Columns, library};
+use super::columns::{Columns, library};
 
 /// The channel.
 const TOPIC: &str = "axis";

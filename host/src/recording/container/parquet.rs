@@ -11,7 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type as Schema;
 
-use super::{Columns, library};
+use super::columns::{Columns, library};
 
 pub(super) fn write(columns: &Columns, out: &mut impl Write) -> io::Result<()> {
     let bytes = bytes(columns).map_err(io::Error::other)?;

@@ -1,3 +1,4 @@
+use super::columns::Columns;
 use super::*;
 use crate::recording::{Format, ReadOptions, Recording, Units};
 

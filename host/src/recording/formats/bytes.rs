@@ -1,4 +1,6 @@
 //! Bytes read one number after the other, with an error where they end.
+// Not every format reads every number.
+#![cfg_attr(not(feature = "logs"), allow(dead_code))]
 
 use super::fault::Fault;
 

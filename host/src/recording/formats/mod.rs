@@ -4,21 +4,30 @@
 
 mod array;
 mod bytes;
+#[cfg(feature = "logs")]
 mod cdr;
 mod csv;
 mod fault;
 mod gather;
+#[cfg(feature = "logs")]
 mod guard;
 mod join;
+#[cfg(feature = "logs")]
 mod json;
+#[cfg(feature = "logs")]
 mod leaf;
 mod log;
 mod mat;
+#[cfg(feature = "logs")]
 mod mcap;
 mod npy;
+#[cfg(feature = "logs")]
 mod npz;
+#[cfg(feature = "logs")]
 mod parquet;
+#[cfg(feature = "logs")]
 mod protobuf;
+#[cfg(feature = "logs")]
 mod ros_type;
 mod text;
 mod ulog;
@@ -100,13 +109,20 @@ impl Format {
     fn log(self, bytes: &[u8]) -> Result<Log, Fault> {
         let unsupported = |what: &str, instead| Err(Fault::Unsupported { what: what.to_owned(), instead });
         match self {
+            #[cfg(feature = "logs")]
             Self::Npz => npz::read(bytes),
             Self::Npy => npy::read(bytes),
             Self::Mat => mat::read(bytes),
+            #[cfg(feature = "logs")]
             Self::Parquet => parquet::read(bytes),
             Self::Ulog => ulog::read(bytes),
             Self::Wpilog => wpilog::read(bytes),
+            #[cfg(feature = "logs")]
             Self::Mcap => mcap::read(bytes),
+            #[cfg(not(feature = "logs"))]
+            Self::Npz | Self::Parquet | Self::Mcap => {
+                unsupported(&self.to_string(), "give it to the command `breakaway`, or write it as CSV")
+            }
             Self::Hdf5 => unsupported("HDF5 (MATLAB's version 7.3)", "write it by save('log.mat', …, '-v7')"),
             Self::Sqlite => unsupported("a bag of ROS 2 in SQLite", "convert it to MCAP by `ros2 bag convert`"),
             Self::Rosbag1 => unsupported("a bag of ROS 1", "convert it to MCAP by `mcap convert`"),

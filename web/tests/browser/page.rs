@@ -1,0 +1,97 @@
+//! The page under test, and what a user does with it.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::chromium::Chromium;
+use super::server::serve;
+
+/// Cargo's target folder: that from which this program runs.
+pub fn target_folder() -> PathBuf {
+    let program = std::env::current_exe().unwrap();
+    program.ancestors().nth(3).unwrap().to_path_buf()
+}
+
+/// The folder that `cargo xtask web` has made; `None` where it has not.
+pub fn folder() -> Option<PathBuf> {
+    let folder = target_folder().join("web");
+    if folder.join("breakaway_bg.wasm").is_file() {
+        return Some(folder);
+    }
+    assert!(std::env::var_os("CI").is_none(), "no page in {}", folder.display());
+    println!("NOT RUN: no page in {}; `cargo xtask web` builds it", folder.display());
+    None
+}
+
+/// The page in a browser.
+pub struct Page {
+    pub browser: Chromium,
+    pub address: String,
+}
+
+impl Page {
+    /// Loads it; `None` where there is no page or no Chromium.
+    pub fn open() -> Option<Self> {
+        let address = serve(&folder()?);
+        let mut browser = Chromium::start()?;
+        // The worker's requests are seen too: it waits until its log is switched on.
+        browser.call(
+            "Target.setAutoAttach",
+            json!({ "autoAttach": true, "waitForDebuggerOnStart": true, "flatten": true }),
+        );
+        browser.call("Page.navigate", json!({ "url": format!("{address}/") }));
+        let mut page = Self { browser, address };
+        page.until("document.readyState === 'complete' && document.querySelector('#run')?.onclick != null");
+        Some(page)
+    }
+
+    /// Waits until a condition holds in the page.
+    pub fn until(&mut self, condition: &str) {
+        let wait = format!(
+            "new Promise((resolve) => {{ const look = () => ({condition}) ? resolve(true) : setTimeout(look, 20); look(); }})"
+        );
+        self.browser.value(&wait);
+    }
+
+    /// Chooses files, and waits until the page has looked at the first one.
+    pub fn choose(&mut self, input: &str, files: &[&Path]) {
+        let document = self.browser.call("DOM.getDocument", json!({}));
+        let selector = json!({ "nodeId": document["root"]["nodeId"], "selector": input });
+        let node = self.browser.call("DOM.querySelector", selector);
+        self.browser.call("DOM.setFileInputFiles", json!({ "nodeId": node["nodeId"], "files": files }));
+        self.until("!document.querySelector('#columns').hidden || !document.querySelector('#message').hidden");
+    }
+
+    /// Chooses a column.
+    pub fn column(&mut self, role: &str, name: &str) {
+        let set = format!(
+            "(() => {{ const own = document.querySelector('#{role}'); own.value = '{name}'; return own.value }})()"
+        );
+        assert_eq!(self.browser.value(&set), name, "{role}");
+    }
+
+    /// Presses a button.
+    pub fn press(&mut self, button: &str) {
+        self.browser.value(&format!("document.querySelector('{button}').click()"));
+    }
+
+    /// What the page says is wrong; empty for nothing.
+    pub fn message(&mut self) -> String {
+        self.browser.value("document.querySelector('#message').textContent").as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Discovers and waits for the end. Gives what came out, or what the page says is wrong.
+    pub fn discover(&mut self) -> Result<Value, String> {
+        self.press("#run");
+        self.until("document.querySelector('#work').hidden");
+        let message = self.message();
+        if message.is_empty() { Ok(self.browser.value("window.breakaway")) } else { Err(message) }
+    }
+
+    /// The addresses that the page asked for, and its worker too.
+    pub fn requests(&self) -> Vec<String> {
+        let sent = self.browser.events.iter().filter(|event| event["method"] == "Network.requestWillBeSent");
+        sent.filter_map(|event| event["params"]["request"]["url"].as_str().map(str::to_owned)).collect()
+    }
+}

@@ -1,0 +1,41 @@
+//! `cargo xtask web`: the page that identifies and discovers in a browser, `web` in the target folder.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use crate::cross::{self, target_folder};
+use crate::run::{cargo, root, run};
+
+/// Its profile in Cargo.toml.
+const PROFILE: &str = "wasm";
+/// What is not made, but written by hand.
+const WRITTEN: [&str; 4] = ["index.html", "page.js", "style.css", "worker.js"];
+
+/// Builds the page.
+pub fn build() -> Result<()> {
+    cross::install_wasm()?;
+    run(&mut cargo(["build", "--package", "breakaway-web", "--target", cross::WASM, "--profile", PROFILE]))?;
+    let folder = folder();
+    if folder.exists() {
+        // What is left of an earlier build would be handed out with it.
+        fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    }
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let wasm = target_folder().join(cross::WASM).join(PROFILE).join("breakaway_web.wasm");
+    let mut bind = cargo(["run", "--quiet", "--locked", "--manifest-path", "web/bind/Cargo.toml", "--target-dir"]);
+    // A workspace of its own, so that nothing else waits for it to be built.
+    run(bind.arg(target_folder().join("bind")).arg("--").arg(&wasm).arg(&folder))?;
+    for name in WRITTEN {
+        let from = root().join("web/page").join(name);
+        fs::copy(&from, folder.join(name)).with_context(|| from.display().to_string())?;
+    }
+    println!("{}", folder.join("index.html").display());
+    Ok(())
+}
+
+/// Where the page is.
+fn folder() -> PathBuf {
+    target_folder().join("web")
+}
