@@ -99,28 +99,25 @@ impl Work {
     fn command_line(&self) -> String {
         let columns = &self.columns;
         let unit = columns.time_unit.map(|unit| unit.to_string());
+        let wrap = columns.wrap.map(|wrap| wrap.to_string());
         let flags = [
             ("--time", columns.time.clone()),
             ("--time-unit", unit),
             ("--input", columns.input.clone()),
             ("--position", columns.position.clone()),
+            ("--wrap", wrap),
         ];
-        let mut line = "breakaway discover".to_owned();
-        let mut add = |word: &str| {
-            line.push(' ');
-            line.push_str(&if word.contains([' ', '\'', '(']) { format!("\"{word}\"") } else { word.to_owned() });
-        };
-        self.fit.iter().for_each(|file| add(&file.name));
-        for (flag, value) in flags {
-            if let Some(value) = value {
-                add(flag);
-                add(&value);
-            }
-        }
+        let names = |files: &[File]| files.iter().map(|file| file.name.clone()).collect::<Vec<_>>();
+        let mut words = vec!["breakaway".to_owned(), "discover".to_owned()];
+        words.extend(names(&self.fit));
+        words.extend(
+            flags.into_iter().filter_map(|(flag, value)| value.map(|value| [flag.to_owned(), value])).flatten(),
+        );
         if !self.holdout.is_empty() {
-            add("--holdout");
-            self.holdout.iter().for_each(|file| add(&file.name));
+            words.push("--holdout".to_owned());
+            words.extend(names(&self.holdout));
         }
-        line
+        let quoted = |word: &String| if word.contains([' ', '\'', '(']) { format!("\"{word}\"") } else { word.clone() };
+        words.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }
 }

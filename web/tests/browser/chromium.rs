@@ -79,8 +79,9 @@ impl Chromium {
     }
 
     /// Calls a method and waits for its answer.
+    #[allow(clippy::needless_pass_by_value, reason = "parameters are written where they are given")]
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
-        let id = self.send(method, parameters, self.session.clone());
+        let id = self.send(method, &parameters, self.session.clone());
         loop {
             let answer = self.from.recv_timeout(PATIENCE).unwrap_or_else(|error| panic!("{method}: {error}"));
             if answer["id"] == id {
@@ -90,14 +91,14 @@ impl Chromium {
             if answer["method"] == "Target.attachedToTarget" {
                 let worker = answer["params"]["sessionId"].as_str().map(str::to_owned);
                 for method in ["Network.enable", "Runtime.runIfWaitingForDebugger"] {
-                    self.send(method, json!({}), worker.clone());
+                    self.send(method, &json!({}), worker.clone());
                 }
             }
             self.events.push(answer);
         }
     }
 
-    fn send(&mut self, method: &str, parameters: Value, session: Option<String>) -> u64 {
+    fn send(&mut self, method: &str, parameters: &Value, session: Option<String>) -> u64 {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
         if let Some(session) = session {
