@@ -9,6 +9,7 @@ use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
 use crate::image;
+use crate::python;
 use crate::qemu;
 use crate::report::Report;
 use crate::rp2350;
@@ -101,6 +102,19 @@ fn steps(report: &mut Report) -> Result<()> {
     let simulators = matches!(simulators, Some(Ok(_)));
     let programs = [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
+    let mut pythons = None;
+    report.check("Python for the wheel", || {
+        pythons = Some(python::environments());
+        match &pythons {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    match pythons {
+        Some(Ok(pythons)) => report.tests("the Python package", || python::test(&pythons))?,
+        Some(Err(error)) => report.not_run(format!("the Python package: {error:#}")),
+        None => (),
+    }
     report.tests("documentation tests", || {
         run_counting(&mut cargo(["test", "--workspace", "--all-features", "--doc", "--no-fail-fast"]))
     })?;

@@ -1,6 +1,6 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `fuzz`, `miri`,
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `fleet-test`, `export-test`,
-//! `logs-test`.
+//! `logs-test`, `python-test`.
 
 mod arrows;
 mod bench;
@@ -16,6 +16,7 @@ mod image;
 mod logs;
 mod loops;
 mod miri;
+mod python;
 mod qemu;
 mod report;
 mod rp2350;
@@ -107,6 +108,8 @@ enum Task {
     /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
     /// writes; needs Python, PyPI and the recordings, and is no part of `test`
     LogsTest,
+    /// Build the Python package's wheel, install it in an environment of its own, and run its tests; needs Python and PyPI
+    PythonTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -132,6 +135,7 @@ fn main() -> ExitCode {
         Task::Loops => cross::install().and_then(loops::all),
         Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
+        Task::PythonTest => python::all(),
         Task::LogsTest => logs::test(),
     };
     match result {

@@ -12,10 +12,11 @@ use super::console;
 use super::output::Output;
 use super::progress::Steps;
 use super::recording_args::RecordingArgs;
+use super::session::Session;
 use crate::discover::engine::{self, Request};
 use crate::discover::outcome::{Discovery, Provenance};
 use crate::discover::progress::Watch;
-use crate::file::{FileKind, Target, shown};
+use crate::file::{FileKind, Target};
 use crate::fit::Candidate;
 use crate::fleet::machine::Inputs;
 use crate::model::{BaseSe, EffectEntry, Model};
@@ -114,21 +115,40 @@ impl Args {
 /// # Errors
 /// A file that cannot be read; recordings from which nothing can be identified.
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: Watch<'_>) -> anyhow::Result<(Discovery, Vec<Fold>)> {
-    let (mut fit, mut score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
+    let model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    find_in(fit, score, model, words.join(" "), progress)
+}
+
+/// Discovers from sessions that were read: to fit, and to score by. `command` is what the provenance says was called.
+///
+/// # Errors
+/// A recording in both sessions; recordings from which nothing can be identified.
+pub fn find_in(
+    mut fit: Session,
+    mut score: Session,
+    mut model: Option<Model>,
+    command: String,
+    progress: Watch<'_>,
+) -> anyhow::Result<(Discovery, Vec<Fold>)> {
     fit.is_apart_from(&score)?;
-    let mut model = inputs.model.as_deref().map(Model::read).transpose()?;
     if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
         model.in_radians(radians);
     }
+    let first = fit.first_file();
     let converted = fit.in_radians();
     score.in_radians();
     let request = Request {
         recordings: fit.recordings,
         holdout: score.recordings,
         model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
-        provenance: provenance(fit.hashes.into_iter().chain(score.hashes)),
+        provenance: Provenance {
+            inputs: fit.hashes.into_iter().chain(score.hashes).collect(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command,
+        },
     };
-    let first = inputs.fit.first().map(|path| shown(path)).unwrap_or_default();
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
     found.remarks.extend(converted.map(|unit| {
@@ -158,14 +178,6 @@ pub fn improved(found: &Discovery) -> Model {
         ))
         .chain(found.provenance.inputs.iter().map(|(file, hash)| format!("from {file} sha256 {hash}")))
         .collect(),
-    }
-}
-
-fn provenance(inputs: impl Iterator<Item = (String, String)>) -> Provenance {
-    Provenance {
-        inputs: inputs.collect(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" "),
     }
 }
 

@@ -19,6 +19,17 @@ pub struct Session {
     pub remarks: Vec<String>,
 }
 
+/// A recording that was read, before it is known to belong to a session.
+#[derive(Clone, Debug)]
+pub struct Read {
+    /// What messages call it: its file as it was given.
+    pub file: String,
+    /// What was read.
+    pub recording: Recording,
+    /// SHA-256 of the bytes that it was read from, in hex.
+    pub sha256: String,
+}
+
 impl RecordingArgs {
     /// Reads recordings of one session. A recording that does not move is left out with a remark while others move.
     ///
@@ -26,12 +37,34 @@ impl RecordingArgs {
     /// [`RecordingError`]; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
     /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
     pub fn read_session<P: AsRef<Path>>(&self, paths: &[P]) -> Result<Session, RecordingError> {
-        let mut session = Session::default();
+        let all = paths.iter().map(|path| {
+            let (recording, sha256) = self.read_hashed(path.as_ref())?;
+            Ok(Read { file: shown(path.as_ref()), recording, sha256 })
+        });
+        Session::of(all, self.options().position_column())
+    }
+}
+
+/// Units in words.
+fn named(units: &Units) -> String {
+    format!("{} and {}", units.u, units.x)
+}
+
+impl Session {
+    /// Makes a session of recordings, each of which is read when the ones before it are in. A recording that does not move
+    /// is left out with a remark while others move; `column` is the position's name in the refusal.
+    ///
+    /// # Errors
+    /// As of [`RecordingArgs::read_session`].
+    pub fn of(
+        all: impl IntoIterator<Item = Result<Read, RecordingError>>,
+        column: &str,
+    ) -> Result<Self, RecordingError> {
+        let mut session = Self::default();
         let mut still: Option<SessionError> = None;
-        for path in paths {
-            let file = shown(path.as_ref());
-            let (recording, hash) = self.read_hashed(path.as_ref())?;
-            session.hashes.push((file.clone(), hash));
+        for read in all {
+            let Read { file, recording, sha256 } = read?;
+            session.hashes.push((file.clone(), sha256));
             if recording.moves() {
                 session.add(file, recording)?;
                 continue;
@@ -42,8 +75,7 @@ impl RecordingArgs {
             };
             session.remarks.push(format!("{file} is left out: {found}"));
             if let Warning::NoMotion { range, rows } = *found {
-                let column = self.options().position_column().to_owned();
-                still.get_or_insert(SessionError::NoMotion { file, column, range, rows });
+                still.get_or_insert(SessionError::NoMotion { file, column: column.to_owned(), range, rows });
             }
         }
         match still {
@@ -51,14 +83,12 @@ impl RecordingArgs {
             _ => Ok(session),
         }
     }
-}
 
-/// Units in words.
-fn named(units: &Units) -> String {
-    format!("{} and {}", units.u, units.x)
-}
+    /// The file that was given first.
+    pub fn first_file(&self) -> String {
+        self.hashes.first().map(|(file, _)| file.clone()).unwrap_or_default()
+    }
 
-impl Session {
     /// Adds a recording of the same units that is not there yet.
     fn add(&mut self, file: String, recording: Recording) -> Result<(), RecordingError> {
         if let (Some(first), Some(name)) = (self.recordings.first(), self.files.first())
