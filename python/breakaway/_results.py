@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import types
 import typing
 from dataclasses import dataclass, field
 from typing import Any, Mapping, Optional, Tuple
@@ -398,6 +397,5 @@ def _value(hint: Any, value: Any) -> Any:
     if dataclasses.is_dataclass(hint):
         return hint(**_fields(hint, value))
     if isinstance(value, dict):
-        kept = {key: _value(inner[1], one) for key, one in value.items()}
-        return types.MappingProxyType(kept) if dataclasses.is_dataclass(inner[1]) else kept
+        return {key: _value(inner[1], one) for key, one in value.items()}
     return value

@@ -3,6 +3,7 @@
 //! What is computed is the library's. Here are the conversions, the thread that works, and the errors. The classes that
 //! a user sees are in `python/breakaway`.
 #![forbid(unsafe_code)]
+#![allow(clippy::needless_pass_by_value, reason = "pyo3 hands arguments over by value")]
 
 mod analysis;
 mod arrays;

@@ -54,7 +54,7 @@ impl Recording {
     /// Those of numpy.
     pub fn new(py: Python<'_>, mut rows: Rows, file: String, sha256: String, position: &str) -> PyResult<Self> {
         let warnings = py.detach(|| rows.warnings()).iter().map(ToString::to_string).collect();
-        let mut taken = |numbers: &mut Vec<f64>| array(py, std::mem::take(numbers));
+        let taken = |numbers: &mut Vec<f64>| array(py, std::mem::take(numbers));
         let current = (!rows.current.is_empty()).then(|| taken(&mut rows.current)).transpose()?;
         let count = rows.t.len();
         let (t, u, x) = (taken(&mut rows.t)?, taken(&mut rows.u)?, taken(&mut rows.x)?);

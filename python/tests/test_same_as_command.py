@@ -1,6 +1,7 @@
 """The numbers and the texts are the command's, to the last bit: both are the same library and the same document."""
 
 import json
+import pickle
 
 import breakaway as bk
 import numpy as np
@@ -59,6 +60,8 @@ def test_discover_gives_the_document_the_model_and_the_report(discovered):
     # The report states the time taken and the command line; all else is the same.
     stated = lambda page: [line for line in page.splitlines() if "time taken" not in line and "breakaway" not in line]
     assert stated(found.html) == stated((folder / "r.html").read_text())
+    # Results go from process to process.
+    assert pickle.loads(pickle.dumps(found)) == found
     assert "srcdoc=" in found._repr_html_() and "The model missed cogging" in found._repr_html_()
 
 
