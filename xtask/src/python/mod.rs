@@ -83,7 +83,7 @@ pub fn test(pythons: &Pythons) -> (Tests, Result<()>) {
         Err(error) => return (Tests::default(), Err(error)),
     };
     let mut tests = Command::new(&pythons.tester);
-    tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--import-mode", "importlib", "--color", "no"]);
+    tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--color", "no"]);
     tests.arg(root().join("python/tests")).current_dir(folder).env("PYTHONDONTWRITEBYTECODE", "1");
     tests.env("BREAKAWAY_COMMAND", target_folder().join("debug").join(format!("breakaway{}", env::consts::EXE_SUFFIX)));
     run_counting(&mut tests)
