@@ -165,7 +165,7 @@ def discover(
     :raises IdentifyError: recordings that determine no base model.
     :raises DiscoverError: recordings from which nothing can be discovered.
     """
-    fit, score = recordings(recs, reading), recordings(holdout, reading)
+    fit, score = recordings(recs, reading), recordings(holdout, reading, "held-out arrays")
     # A file keeps its name in messages, as it does for the command.
     start = None
     if model is not None:

@@ -82,12 +82,14 @@ def of_arrays(
     )
 
 
-def recordings(sources: Source | Iterable[Source], given: Mapping[str, Any]) -> list[_native.Recording]:
-    """Recordings of one source or of several."""
+def recordings(
+    sources: Source | Iterable[Source], given: Mapping[str, Any], name: str = "arrays"
+) -> list[_native.Recording]:
+    """Recordings of one source or of several; ``name`` is what messages call arrays."""
     if _is_one(sources):
-        return [_one(sources, "arrays", given)]
+        return [_one(sources, name, given)]
     listed = list(sources)  # type: ignore[arg-type]
-    return [_one(source, f"arrays {number}", given) for number, source in enumerate(listed, 1)]
+    return [_one(source, f"{name} {number}", given) for number, source in enumerate(listed, 1)]
 
 
 def _is_one(sources: Any) -> bool:

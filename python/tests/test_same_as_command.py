@@ -73,8 +73,9 @@ def test_discover_starts_from_a_model_and_takes_held_out_arrays(arrays, discover
     first, second = (t[:half], u[:half], x[:half]), (t[half:], u[half:], x[half:])
     again = bk.discover(first, holdout=second, model=found.model, units=("V", "rad"))
     assert again.effects == ()
-    with pytest.raises(bk.RecordingError, match="arrays"):
+    with pytest.raises(bk.RecordingError, match="arrays holds the same samples as") as error:
         bk.discover(first, holdout=first, units=("V", "rad"))
+    assert error.value.kind == "given_twice"
 
 
 def test_sinefit(command, tmp_path):

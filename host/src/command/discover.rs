@@ -20,7 +20,7 @@ use crate::file::{FileKind, Target};
 use crate::fit::Candidate;
 use crate::fleet::machine::Inputs;
 use crate::model::{BaseSe, EffectEntry, Model};
-use crate::recording::Recording;
+use crate::recording::{Recording, RecordingError};
 use crate::report::discovery::{self, Fold};
 use crate::report::json;
 
@@ -132,7 +132,7 @@ pub fn find_in(
     command: String,
     progress: Watch<'_>,
 ) -> anyhow::Result<(Discovery, Vec<Fold>)> {
-    fit.is_apart_from(&score)?;
+    fit.is_apart_from(&score).map_err(RecordingError::from)?;
     if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
         model.in_radians(radians);
     }
