@@ -75,6 +75,8 @@ def test_control_c_is_a_keyboard_interrupt(tmp_path):
         """
         import os, signal, sys
         import breakaway as bk
+        # A shell starts what is in the background with SIGINT ignored, and this holds for its children too.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         steps = []
         def first(step):
             if not steps:
