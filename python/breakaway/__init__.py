@@ -15,6 +15,21 @@ the interpreter's lock, and Ctrl-C ends it. An error is an exception below :clas
 """
 
 from ._analysis import discover, identify, read, recording, simulate, sinefit
+from ._discovery import (
+    Candidate,
+    Discovery,
+    Force,
+    FoundEffect,
+    Input,
+    NextExperiment,
+    Provenance,
+    Rival,
+    Rung,
+    Share,
+    Unexplained,
+    UnexplainedForce,
+    Where,
+)
 from ._errors import (
     ArrayError,
     CardError,
@@ -32,34 +47,18 @@ from ._errors import (
     SineFitError,
     UsageError,
 )
-from ._model import Effect, Export, Model, Part
-from ._native import Recording, __version__
-from ._results import (
-    Candidate,
-    Discovery,
+from ._identification import (
     Estimate,
-    Force,
-    FoundEffect,
     Gravity,
     HeldOut,
     Identification,
-    Input,
-    NextExperiment,
-    Provenance,
-    Quantity,
-    Remark,
-    Rival,
-    Rung,
-    Share,
-    Simulation,
-    SineErrors,
-    SineFit,
     Undetermined,
-    Unexplained,
-    UnexplainedForce,
-    Where,
     Winding,
 )
+from ._model import Effect, Export, Model, Part
+from ._native import Recording, __version__
+from ._results import Quantity, Remark
+from ._signals import Simulation, SineErrors, SineFit
 
 __all__ = [
     "ArrayError",

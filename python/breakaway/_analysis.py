@@ -10,11 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
+from ._discovery import Discovery
 from ._errors import UsageError
+from ._identification import Identification
 from ._input import Source, of_arrays, of_one_length, recordings
 from ._model import Model, toml_of
 from ._native import Recording
-from ._results import Discovery, Identification, Simulation, SineFit, of
+from ._results import of
+from ._signals import Simulation, SineFit
 
 #: What stands for a model: itself, or a model file.
 AnyModel = Union[Model, str, "os.PathLike[str]"]
