@@ -5,9 +5,10 @@
 
 MACHINES holds one folder per machine: fit/*.csv and score/*.csv as `breakaway run suite` writes them, or *.csv, and
 base.toml or model.toml if there is a model to start from. MACHINES and OUT must be seen by all workers under the same
-path, and `breakaway` must run on each of them. Without a scheduler the workers are this computer's cores.
+path, and the package `breakaway` must be installed on each of them. Without a scheduler the workers are this computer's
+cores.
 
-Each machine is one task: `breakaway discover --json`, one thread. Its worker writes OUT/MACHINE/ (improved.toml,
+Each machine is one task: `breakaway.discover`, one thread. Its worker writes OUT/MACHINE/ (improved.toml,
 report.html, result.json); when all are done, OUT/fleet.parquet has one row per machine. A machine whose result is there,
 from the same files, program and options, is not worked on again. What goes wrong with a machine is its row.
 """
@@ -16,11 +17,11 @@ import argparse
 import hashlib
 import json
 import os
-import subprocess
 import sys
 import uuid
 from pathlib import Path
 
+import breakaway as bk
 import pyarrow as pa
 import pyarrow.parquet as pq
 from distributed import Client, as_completed, get_worker
@@ -80,14 +81,26 @@ def write_whole(path, data):
         beside.unlink(missing_ok=True)
 
 
-def discover(folder, out, breakaway, options):
+def reading():
+    """The options of `breakaway discover` that may come after `--`: columns and rows, and a model to start from."""
+    parser = argparse.ArgumentParser(prog="fleet.py … --", add_help=False, allow_abbrev=False)
+    for flag in ("--time", "--time-unit", "--input", "--position", "--current", "--wrap", "--model"):
+        parser.add_argument(flag)
+    for flag in ("--fs", "--encoder-step", "--counts-per-turn"):
+        parser.add_argument(flag, type=float)
+    parser.add_argument("--where", action="append")
+    parser.add_argument("--from", dest="from_s", type=float)
+    parser.add_argument("--to", dest="to_s", type=float)
+    return parser
+
+
+def discover(folder, out, options):
     """One machine, on a worker: its row. Never raises: a reason is a row too."""
     folder, place = Path(folder), Path(out) / Path(folder).name
     row = {"machine": folder.name, "worker": worker(), "skipped": False}
     try:
         fit, score, models = inputs(folder)
-        version = subprocess.run([breakaway, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-        source = made_of(folder, fit + score + models, version, options)
+        source = made_of(folder, fit + score + models, f"breakaway {bk.__version__}", options)
         result = place / "result.json"
         kept = read(result)
         if kept is not None and kept.get("fleet") == source:
@@ -97,19 +110,16 @@ def discover(folder, out, breakaway, options):
         for old in ("result.json", "improved.toml", "report.html"):
             (place / old).unlink(missing_ok=True)
         write_whole(place / "started.json", json.dumps({"worker": row["worker"], "pid": os.getpid()}).encode())
-        command = [breakaway, "discover", *fit, "--json", "-o", place / "improved.toml", "--report", place / "report.html"]
-        command += ["--holdout", *score] if score else []
-        command += ["--model", models[0]] if models else []
+        given = vars(reading().parse_args(options))
+        start = given.pop("model")
         # The workers share the cores already.
-        done = subprocess.run(
-            [*map(str, command), *options], capture_output=True, text=True, env=os.environ | {"RAYON_NUM_THREADS": "1"}
-        )
-        if done.returncode != 0:
-            raise ValueError(done.stderr.strip().removeprefix("error: ") or f"exit code {done.returncode}")
-        document = json.loads(done.stdout) | {"fleet": source}
+        found = bk.discover(fit, holdout=score, model=models[0] if models else start, threads=1, **given)
+        found.model.write(place / "improved.toml")
+        found.write_report(place / "report.html")
+        document = found.document | {"fleet": source}
         write_whole(result, (json.dumps(document, indent=2) + "\n").encode())
         return row | summary(document)
-    except (OSError, ValueError, subprocess.SubprocessError) as error:
+    except (OSError, ValueError, bk.Error) as error:
         return row | {"reason": str(error)}
     finally:
         (place / "started.json").unlink(missing_ok=True)
@@ -161,11 +171,11 @@ def cluster(args):
     return Client(threads_per_worker=1, dashboard_address=None)
 
 
-def run(client, machines, out, breakaway, options):
+def run(client, machines, out, options):
     """The rows of all machines, by name."""
     tasks = {
         # Not pure: a scheduler that is up for weeks must not answer with what it still knows of older files.
-        client.submit(discover, str(folder), str(out), breakaway, options, pure=False): folder.name
+        client.submit(discover, str(folder), str(out), options, pure=False): folder.name
         for folder in machines
     }
     rows = []
@@ -185,13 +195,13 @@ def main():
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://10.0.0.5:8786")
     where.add_argument("--scheduler-file", help="the file that `dask scheduler --scheduler-file` wrote")
-    parser.add_argument("--breakaway", default="breakaway", help="the command on the workers")
     parser.usage = parser.format_usage().removeprefix("usage: ").rstrip() + " [-- options of breakaway discover]"
     ours, options = sys.argv[1:], []
     if "--" in ours:
         at = ours.index("--")
         ours, options = ours[:at], ours[at + 1 :]
     args = parser.parse_args(ours)
+    reading().parse_args(options)
     if not args.machines.is_dir():
         parser.error(f"{args.machines} is not a folder")
     machines = sorted(path for path in args.machines.resolve().iterdir() if path.is_dir() and path.name[0] != ".")
@@ -202,7 +212,7 @@ def main():
         parser.error(f"results in {args.out} would be taken for a machine of {args.machines}")
     out.mkdir(parents=True, exist_ok=True)
     with cluster(args) as client:
-        rows = run(client, machines, out, args.breakaway, options)
+        rows = run(client, machines, out, options)
     sink = pa.BufferOutputStream()
     pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), sink)
     write_whole(out / "fleet.parquet", sink.getvalue().to_pybytes())

@@ -1,15 +1,13 @@
 //! One run: the recordings are read, the base is identified, and what it misses is discovered.
 
-use anyhow::Context;
 use breakaway::command::output::versioned;
 use breakaway::command::recording_args::RecordingArgs;
-use breakaway::command::session::Session;
+use breakaway::command::session::{Read, Session};
 use breakaway::command::{discover, identify, look as looking};
 use breakaway::discover::progress::{Progress, Watch};
-use breakaway::identify::estimate;
 use breakaway::look::look_at;
 use breakaway::recording::formats::Log;
-use breakaway::recording::{ReadOptions, Recording, RecordingError};
+use breakaway::recording::{ReadOptions, RecordingError};
 use breakaway::report::{discovery, json};
 use serde::Serialize;
 use serde_json::Value;
@@ -69,15 +67,11 @@ impl Work {
         progress(Progress::Step("reading the recordings"));
         let fit = self.session(&self.fit)?;
         progress(Progress::Step("identifying inertia and friction"));
-        let first = fit.hashes.first().map(|(file, _)| file.clone()).unwrap_or_default();
-        let identified = estimate::identify(&fit.recordings).context(first)?;
-        let units = fit.recordings.first().map(|recording| recording.units.clone()).unwrap_or_default();
-        let document = identify::Document::new(&identified, &units, fit.remarks.clone());
+        let document = identify::find(&fit, None)?.document();
         let (identify, identify_text) = (versioned(&document)?, identify::table(&document));
         let holdout = self.session(&self.holdout)?;
-        let (mut found, folds) = discover::find_in(fit, holdout, || Ok(None), progress)?;
+        let (found, folds) = discover::find_in(fit, holdout, None, self.command_line(), progress)?;
         progress(Progress::Step("writing the report"));
-        found.provenance.command = self.command_line();
         Ok(Outcome {
             identify,
             identify_text,
@@ -89,10 +83,11 @@ impl Work {
     }
 
     fn session(&self, files: &[File]) -> Result<Session, RecordingError> {
-        let read = |file: &File| -> Result<(Recording, String), RecordingError> {
-            self.columns.read_input(&file.name, file.bytes.as_slice())
-        };
-        Session::of(self.columns.options().position_column(), files.iter().map(|file| (file.name.clone(), read(file))))
+        let all = files.iter().map(|file| {
+            let (recording, sha256) = self.columns.read_input(&file.name, file.bytes.as_slice())?;
+            Ok(Read { file: file.name.clone(), recording, sha256 })
+        });
+        Session::of(all, self.columns.options().position_column())
     }
 
     /// The command that gives the same.

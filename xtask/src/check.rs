@@ -13,6 +13,7 @@ use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
 use crate::image;
+use crate::python;
 use crate::qemu;
 use crate::report::Report;
 use crate::rp2350;
@@ -124,6 +125,19 @@ fn steps(report: &mut Report) -> Result<()> {
     let programs =
         [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
+    let mut pythons = None;
+    report.check("Python for the wheel", || {
+        pythons = Some(python::environments());
+        match &pythons {
+            Some(Err(error)) if std::env::var_os("CI").is_some() => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    match pythons {
+        Some(Ok(pythons)) => report.tests("the Python package", || python::test(&pythons))?,
+        Some(Err(error)) => report.not_run(format!("the Python package: {error:#}")),
+        None => (),
+    }
     report.tests("documentation tests", || run_counting(cargo(["test", "--doc", "--no-fail-fast"]).args(TESTED)))?;
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;
@@ -146,10 +160,10 @@ fn host_without_tests(report: &mut Report) -> Result<()> {
 /// no tests in them.
 const TESTED: [&str; 4] = ["--workspace", "--exclude", "breakaway-bench", "--all-features"];
 
-/// The tests' programs, and what measures the board's ticks. One build with one set of features: each other set would build the host
+/// The tests' programs, the libraries that Python loads, and what measures the board's ticks. One build with one set of features: each other set would build the host
 /// anew.
 fn host_programs() -> Result<()> {
-    run(cargo(["build"]).args(TESTED).args(["--tests", "--bin", budget::TICKS]))
+    run(cargo(["build"]).args(TESTED).args(["--lib", "--tests", "--bin", budget::TICKS]))
 }
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the

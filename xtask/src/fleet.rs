@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::cross::target_folder;
-use crate::run::{answer, cargo, root, run, run_within};
+use crate::python;
+use crate::run::{answer, root, run, run_within};
 
 /// Everything together takes half a minute; what takes ten has hung.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -59,7 +60,7 @@ pub fn test() -> Result<()> {
     let began = Instant::now();
     let folder = target_folder().join("fleet-test");
     let python = environment(&target_folder().join("fleet-venv"), &root().join("fleet/requirements.txt"))?;
-    run(&mut cargo(["build", "--package", "breakaway"]))?;
+    python::install(&python, &python::wheel(&python::environments()?)?)?;
     let breakaway = target_folder().join("debug").join(format!("breakaway{}", std::env::consts::EXE_SUFFIX));
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -87,7 +88,7 @@ pub fn test() -> Result<()> {
     let fleet = || {
         let mut command = Command::new(&python);
         command.arg(root().join("fleet/fleet.py")).arg(folder.join("machines")).arg("-o").arg(&out);
-        command.arg("--scheduler-file").arg(&file).arg("--breakaway").arg(&breakaway);
+        command.arg("--scheduler-file").arg(&file);
         command
     };
     let mut first = Running::start(&mut fleet())?;

@@ -1,6 +1,6 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `fuzz`, `miri`,
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
-//! `logs-test`.
+//! `logs-test`, `python-test`.
 
 mod ahead;
 mod arrows;
@@ -19,6 +19,7 @@ mod logs;
 mod loops;
 mod miri;
 mod processor;
+mod python;
 mod qemu;
 mod report;
 mod rp2350;
@@ -116,6 +117,8 @@ enum Task {
     /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
     /// writes; needs Python, PyPI and the recordings, and is no part of `test`
     LogsTest,
+    /// Build the Python package's wheel, install it in an environment of its own, and run its tests; needs Python and PyPI
+    PythonTest,
     /// Run fleet/fleet.py on two workers and kill one of them; needs Python and PyPI, and is no part of `test`
     FleetTest,
 }
@@ -143,6 +146,7 @@ fn main() -> ExitCode {
         Task::Site => site::build(),
         Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
+        Task::PythonTest => python::all(),
         Task::LogsTest => logs::test(),
     };
     match result {

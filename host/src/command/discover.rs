@@ -27,8 +27,8 @@ use crate::file::Target;
 use crate::fit::Candidate;
 #[cfg(feature = "command")]
 use crate::fleet::machine::Inputs;
-use crate::model::{BaseSe, EffectEntry, Model, ModelError};
-use crate::recording::Recording;
+use crate::model::{BaseSe, EffectEntry, Model};
+use crate::recording::{Recording, RecordingError};
 use crate::report::discovery::{self, Fold};
 #[cfg(feature = "command")]
 use crate::report::json;
@@ -133,34 +133,38 @@ impl Args {
 #[cfg(feature = "command")]
 pub fn find(columns: &RecordingArgs, inputs: &Inputs, progress: Watch<'_>) -> anyhow::Result<(Discovery, Vec<Fold>)> {
     let (fit, score) = (columns.read_session(&inputs.fit)?, columns.read_session(&inputs.score)?);
-    let model = || inputs.model.as_deref().map(Model::read).transpose();
-    find_in(fit, score, model, progress)
+    let model = inputs.model.as_deref().map(Model::read).transpose()?;
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    find_in(fit, score, model, words.join(" "), progress)
 }
 
-/// Discovers in recordings that are read already; `model` gives the one to start from. Gives the discovery with the
-/// folds of its effects.
+/// Discovers from sessions that were read: to fit, and to score by. `command` is what the provenance says was called.
 ///
 /// # Errors
-/// A recording that is held out as well; those of `model`; recordings from which nothing can be identified.
+/// A recording in both sessions; recordings from which nothing can be identified.
 pub fn find_in(
     mut fit: Session,
     mut score: Session,
-    model: impl FnOnce() -> Result<Option<Model>, ModelError>,
+    mut model: Option<Model>,
+    command: String,
     progress: Watch<'_>,
 ) -> anyhow::Result<(Discovery, Vec<Fold>)> {
-    fit.is_apart_from(&score)?;
-    let mut model = model()?;
-    let first = fit.hashes.first().map(|(file, _)| file.clone()).unwrap_or_default();
+    fit.is_apart_from(&score).map_err(RecordingError::from)?;
     if let (Some(model), Some(radians)) = (&mut model, fit.recordings.first().and_then(Recording::radians_per_unit)) {
         model.in_radians(radians);
     }
+    let first = fit.first_file();
     let converted = fit.in_radians();
     score.in_radians();
     let request = Request {
         recordings: fit.recordings,
         holdout: score.recordings,
         model: model.map(|m| anyhow::Ok(Candidate { base: m.base, effects: m.plant_effects()? })).transpose()?,
-        provenance: provenance(fit.hashes.into_iter().chain(score.hashes)),
+        provenance: Provenance {
+            inputs: fit.hashes.into_iter().chain(score.hashes).collect(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command,
+        },
     };
     let mut found = engine::discover(&request, progress).context(first)?;
     found.remarks.extend(fit.remarks.into_iter().chain(score.remarks));
@@ -191,14 +195,6 @@ pub fn improved(found: &Discovery) -> Model {
         ))
         .chain(found.provenance.inputs.iter().map(|(file, hash)| format!("from {file} sha256 {hash}")))
         .collect(),
-    }
-}
-
-fn provenance(inputs: impl Iterator<Item = (String, String)>) -> Provenance {
-    Provenance {
-        inputs: inputs.collect(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" "),
     }
 }
 

@@ -106,7 +106,7 @@ impl MotorArgs {
 
 /// The JSON document.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub(in crate::command) struct Document<'a> {
+pub struct Document<'a> {
     version: &'static str,
     target: &'static str,
     output: Option<String>,
@@ -121,6 +121,22 @@ pub(in crate::command) struct Document<'a> {
 struct Remark<'a> {
     kind: &'static str,
     text: &'a str,
+}
+
+impl<'a> Document<'a> {
+    /// The document of a model that was written to `output`, or that it holds itself.
+    pub fn new(exported: &'a Exported, target: export::Target, output: Option<&Target>) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            target: target.name(),
+            output: output.map(ToString::to_string),
+            text: output.is_none().then_some(exported.text.as_str()),
+            parts: &exported.rows,
+            lost: exported.rows_of(Fate::Lost).map(|row| row.what.as_str()).collect(),
+            si: exported.si,
+            remarks: exported.remarks.iter().map(|text| Remark { kind: "motor", text }).collect(),
+        }
+    }
 }
 
 impl Args {
@@ -145,16 +161,7 @@ impl Args {
         if let Some(target) = &target {
             target.write_text(&exported.text)?;
         }
-        let document = Document {
-            version: env!("CARGO_PKG_VERSION"),
-            target: self.to.name(),
-            output: target.as_ref().map(ToString::to_string),
-            text: target.is_none().then_some(exported.text.as_str()),
-            parts: &exported.rows,
-            lost: exported.rows_of(Fate::Lost).map(|row| row.what.as_str()).collect(),
-            si: exported.si,
-            remarks: exported.remarks.iter().map(|text| Remark { kind: "motor", text }).collect(),
-        };
+        let document = Document::new(&exported, self.to, target.as_ref());
         output.print(&document, |document| said(&exported, document.output.as_deref()))
     }
 }

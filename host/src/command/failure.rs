@@ -54,6 +54,14 @@ impl Failure {
         Self { kind: kind(error, &typed), ..Self::at(format!("{error:#}"), &typed) }
     }
 
+    /// Whose error it is: `recording`, `model`, `file` and so on; `usage` of arguments, `other` of one without a name.
+    pub fn family(error: &anyhow::Error) -> &'static str {
+        if error.is::<UsageError>() {
+            return "usage";
+        }
+        error.chain().find_map(family).unwrap_or("other")
+    }
+
     /// Of a command line that is wrong.
     pub fn of_usage(error: &clap::Error) -> Self {
         let text = error.render().to_string();
@@ -114,6 +122,30 @@ fn typed(error: &(dyn std::error::Error + 'static)) -> Option<Value> {
         ExportError,
         CardError
     )
+}
+
+/// The family of an error of this crate; that of the error which it passes on, where that has one.
+fn family(error: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
+    let passed_on = match typed(error)?["kind"].as_str() {
+        Some("file") => Some("file"),
+        Some("identify") => Some("identify"),
+        Some("fit") => Some("fit"),
+        _ => None,
+    };
+    let is = |name, found: bool| found.then_some(name);
+    passed_on
+        .or_else(|| is("recording", error.is::<RecordingError>()))
+        .or_else(|| is("model", error.is::<ModelError>()))
+        .or_else(|| is("file", error.is::<FileError>() || error.is::<TargetError>() || error.is::<FolderError>()))
+        .or_else(|| is("device", error.is::<DeviceError>() || error.is::<VirtualBoardError>()))
+        .or_else(|| is("discover", error.is::<DiscoverError>()))
+        .or_else(|| is("identify", error.is::<IdentifyError>()))
+        .or_else(|| is("fit", error.is::<FitError>()))
+        .or_else(|| is("simulate", error.is::<SimulateError>()))
+        .or_else(|| is("control", error.is::<ControlError>() || error.is::<LineError>()))
+        .or_else(|| is("sine", error.is::<SineFitError>()))
+        .or_else(|| is("export", error.is::<ExportError>()))
+        .or_else(|| is("card", error.is::<CardError>()))
 }
 
 /// The error that an error passes on.

@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::path::PathBuf;
 
-#[cfg(feature = "command")]
 use anyhow::Context;
 use breakaway_core::plant::Base;
 use schemars::JsonSchema;
@@ -16,11 +15,10 @@ use super::figures::FiguresArgs;
 #[cfg(feature = "command")]
 use super::output::Output;
 use super::recording_args::RecordingArgs;
-#[cfg(feature = "command")]
 use super::session::Session;
-use crate::file::Target;
 #[cfg(feature = "command")]
-use crate::file::{FileKind, shown};
+use crate::file::FileKind;
+use crate::file::Target;
 use crate::identify::estimate::{self, Comparison, Identification, ModelEstimate, Value, Winding};
 #[cfg(feature = "command")]
 use crate::identify::typical::typical;
@@ -216,20 +214,55 @@ impl Args {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         let output = output.claim(&targets, &inputs)?;
         self.figures.claim(output, &inputs)?;
-        let Session { recordings, remarks, .. } = self.columns.read_session(&self.recordings)?;
-        let mut result = estimate::identify(&recordings).with_context(|| shown(&self.recordings[0]))?;
-        if let Some(value) = self.back_emf.filter(|_| result.winding.is_none()) {
-            result = estimate::apart(result, Value { value, se: 0.0 });
-        }
-        let units = recordings[0].units.clone();
+        let session = self.columns.read_session(&self.recordings)?;
+        let found = find(&session, self.back_emf)?;
         if let Some(target) = &self.output {
-            let names: Vec<String> = self.recordings.iter().map(|path| shown(path)).collect();
-            target.write_text(&model(&result, &units, &names)?.to_toml())?;
+            target.write_text(&found.model()?.to_toml())?;
         }
         self.figures.write(output, &inputs, || {
-            typical(&recordings, &result).iter().map(|found| typical_figure(found, &units, result.noise)).collect()
+            let figures = typical(&session.recordings, &found.result);
+            figures.iter().map(|own| typical_figure(own, &found.units, found.result.noise)).collect()
         })?;
-        output.print(&Document::new(&result, &units, remarks), table)
+        output.print(&found.document(), table)
+    }
+}
+
+/// An identification with what its document and its model need beside it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    result: Identification,
+    units: Units,
+    files: Vec<String>,
+    left_out: Vec<String>,
+}
+
+/// Identifies from the recordings of a session. `back_emf` is the constant of the name plate, V per position unit and
+/// second; it is used where no current is recorded.
+///
+/// # Errors
+/// [`IdentifyError`](crate::identify::estimate::IdentifyError), with the first file.
+pub fn find(session: &Session, back_emf: Option<f64>) -> anyhow::Result<Found> {
+    let mut result = estimate::identify(&session.recordings).with_context(|| session.first_file())?;
+    if let Some(value) = back_emf.filter(|_| result.winding.is_none()) {
+        result = estimate::apart(result, Value { value, se: 0.0 });
+    }
+    let units = session.recordings.first().map(|recording| recording.units.clone()).unwrap_or_default();
+    let files = session.hashes.iter().map(|(file, _)| file.clone()).collect();
+    Ok(Found { result, units, files, left_out: session.remarks.clone() })
+}
+
+impl Found {
+    /// The JSON document.
+    pub fn document(&self) -> Document {
+        Document::new(&self.result, &self.units, self.left_out.clone())
+    }
+
+    /// The model as a model file has it.
+    ///
+    /// # Errors
+    /// As of [`model`].
+    pub fn model(&self) -> anyhow::Result<Model> {
+        model(&self.result, &self.units, &self.files)
     }
 }
 

@@ -96,11 +96,19 @@ pub fn has_printed() -> bool {
 /// The document with its version, and with the warnings of this run among its remarks.
 ///
 /// # Errors
-/// A document that is no JSON, which none is.
+/// A document that JSON cannot hold.
 pub fn versioned<T: Serialize>(document: &T) -> serde_json::Result<Value> {
+    with_warnings(document, console::warnings())
+}
+
+/// The document with its version, and with `warnings` among its remarks.
+///
+/// # Errors
+/// A document that JSON cannot hold.
+pub fn with_warnings<T: Serialize>(document: &T, warnings: Vec<String>) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(document)?;
     if let Value::Object(fields) = &mut value {
-        let warnings = console::warnings().into_iter().map(|text| RemarkJson::new("warning", &text));
+        let warnings = warnings.into_iter().map(|text| RemarkJson::new("warning", &text));
         let warnings: Vec<Value> = warnings.map(serde_json::to_value).collect::<Result<_, _>>()?;
         match fields.get_mut("remarks") {
             Some(Value::Array(remarks)) => remarks.extend(warnings),

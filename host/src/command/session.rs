@@ -22,6 +22,17 @@ pub struct Session {
     pub remarks: Vec<String>,
 }
 
+/// A recording that was read, before it is known to belong to a session.
+#[derive(Clone, Debug)]
+pub struct Read {
+    /// What messages call it: its file as it was given.
+    pub file: String,
+    /// What was read.
+    pub recording: Recording,
+    /// SHA-256 of the bytes that it was read from, in hex.
+    pub sha256: String,
+}
+
 #[cfg(feature = "command")]
 impl RecordingArgs {
     /// Reads recordings of one session. A recording that does not move is left out with a remark while others move.
@@ -30,8 +41,11 @@ impl RecordingArgs {
     /// [`RecordingError`]; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
     /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
     pub fn read_session<P: AsRef<Path>>(&self, paths: &[P]) -> Result<Session, RecordingError> {
-        let column = self.options().position_column().to_owned();
-        Session::of(&column, paths.iter().map(|path| (shown(path.as_ref()), self.read_hashed(path.as_ref()))))
+        let all = paths.iter().map(|path| {
+            let (recording, sha256) = self.read_hashed(path.as_ref())?;
+            Ok(Read { file: shown(path.as_ref()), recording, sha256 })
+        });
+        Session::of(all, self.options().position_column())
     }
 }
 
@@ -41,20 +55,20 @@ fn named(units: &Units) -> String {
 }
 
 impl Session {
-    /// Recordings with their hashes, as they are read one after the other; `column` is that of the position.
+    /// Makes a session of recordings, each of which is read when the ones before it are in. A recording that does not move
+    /// is left out with a remark while others move; `column` is the position's name in the refusal.
     ///
     /// # Errors
-    /// [`RecordingError`] of a file; [`SessionError::NoMotion`] if none of several recordings, or the only one, moves;
-    /// [`SessionError::Units`] and [`SessionError::GivenTwice`].
+    /// As of [`RecordingArgs::read_session`].
     pub fn of(
+        all: impl IntoIterator<Item = Result<Read, RecordingError>>,
         column: &str,
-        read: impl IntoIterator<Item = (String, Result<(Recording, String), RecordingError>)>,
     ) -> Result<Self, RecordingError> {
         let mut session = Self::default();
         let mut still: Option<SessionError> = None;
-        for (file, read) in read {
-            let (recording, hash) = read?;
-            session.hashes.push((file.clone(), hash));
+        for read in all {
+            let Read { file, recording, sha256 } = read?;
+            session.hashes.push((file.clone(), sha256));
             if recording.moves() {
                 session.add(file, recording)?;
                 continue;
@@ -72,6 +86,11 @@ impl Session {
             Some(refusal) if session.recordings.is_empty() => Err(refusal.into()),
             _ => Ok(session),
         }
+    }
+
+    /// The file that was given first.
+    pub fn first_file(&self) -> String {
+        self.hashes.first().map(|(file, _)| file.clone()).unwrap_or_default()
     }
 
     /// Adds a recording of the same units that is not there yet.

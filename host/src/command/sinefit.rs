@@ -43,7 +43,7 @@ pub struct Args {
 
 /// The JSON document.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(in crate::command) struct Document {
+pub struct Document {
     amplitude: f64,
     omega: f64,
     phase: f64,

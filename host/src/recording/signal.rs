@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::error::{ClockError, Place, RecordingError};
+use super::formats::Log;
 use super::options::ReadOptions;
 use super::quality::Warning;
 use super::table::{Table, Wanted};
@@ -71,6 +72,19 @@ impl Signal {
         Self::read_any(file, input, column, options, |table| table.check(file))
     }
 
+    /// Takes the position from a log whose channels were read already, and tells what was mended; `file` is its name in
+    /// messages. Where the clock starts anew, the longest part is taken.
+    ///
+    /// # Errors
+    /// [`RecordingError`], as of [`Signal::read_mended`].
+    pub fn from_log(file: &str, log: &Log, options: &ReadOptions) -> Result<(Self, Vec<Warning>), RecordingError> {
+        let wanted = wanted(None, options);
+        let name = wanted.name.to_owned();
+        let table = Table::of_log(file, log, options, &[wanted])?;
+        table.check(file)?;
+        Self::of_table(file, name, table)
+    }
+
     fn read_any(
         file: &str,
         input: impl Read,
@@ -78,13 +92,14 @@ impl Signal {
         options: &ReadOptions,
         check: impl FnOnce(&Table) -> Result<(), RecordingError>,
     ) -> Result<(Self, Vec<Warning>), RecordingError> {
-        let wanted = match column {
-            Some(name) => Wanted { name, flag: "--signal" },
-            None => Wanted { name: options.position_column(), flag: "--position or --signal" },
-        };
+        let wanted = wanted(column, options);
         let name = wanted.name.to_owned();
-        let mut table = Table::read(file, input, options, &[wanted])?;
+        let table = Table::read(file, input, options, &[wanted])?;
         check(&table)?;
+        Self::of_table(file, name, table)
+    }
+
+    fn of_table(file: &str, name: String, mut table: Table) -> Result<(Self, Vec<Warning>), RecordingError> {
         table.keep_longest_part();
         let y = table.columns.pop().unwrap_or_default();
         if y.len() < MIN_ROWS {
@@ -104,5 +119,13 @@ impl Signal {
             y,
         };
         Ok((signal, table.found))
+    }
+}
+
+/// The column that is fitted: the position if `None`.
+fn wanted<'a>(column: Option<&'a str>, options: &'a ReadOptions) -> Wanted<'a> {
+    match column {
+        Some(name) => Wanted { name, flag: "--signal" },
+        None => Wanted { name: options.position_column(), flag: "--position or --signal" },
     }
 }

@@ -17,14 +17,16 @@ impl AddAssign for Counts {
 }
 
 impl Counts {
-    /// What a closing line of libtest (`test result: …`) or of nextest (`Summary […] … run: …`) says; zero for
-    /// any other line. Whatever ended neither passed nor skipped (timed out, could not start) counts as failed.
+    /// What a closing line of libtest (`test result: …`), of nextest (`Summary […] … run: …`) or of pytest
+    /// (`=== … in 1.20s ===`) says; zero for any other line. Whatever ended neither passed nor skipped (timed out, could not start) counts as failed.
     pub fn in_line(line: &str) -> Self {
         let line = line.trim();
         let list = if let Some((_, list)) = line.strip_prefix("test result: ").and_then(|rest| rest.split_once(". ")) {
             list.split("; finished").next().unwrap_or(list)
         } else if let Some((_, list)) = line.strip_prefix("Summary [").and_then(|rest| rest.split_once(" run: ")) {
             list
+        } else if let Some((list, _)) = line.strip_prefix("==").and_then(|rest| rest.rsplit_once(" in ")) {
+            list.trim_start_matches('=')
         } else {
             return Self::default();
         };
@@ -38,7 +40,7 @@ impl Counts {
             };
             match what.split(' ').next() {
                 Some("passed") => counts.passed += number,
-                Some("skipped" | "ignored" | "measured" | "filtered") => {}
+                Some("skipped" | "ignored" | "measured" | "filtered" | "deselected" | "warning" | "warnings") => {}
                 _ => counts.failed += number,
             }
         }
@@ -120,6 +122,9 @@ mod tests {
                 "     Summary [  90.005s] 7/9 tests run: 3 passed, 2 failed, 1 timed out, 1 exec failed, 0 skipped",
                 (3, 4),
             ),
+            ("=================== 12 passed, 1 skipped, 2 warnings in 3.45s ===================", (12, 0)),
+            ("============= 1 failed, 3 passed, 1 error in 61.20s (0:01:01) ==============", (3, 2)),
+            ("======================= test session starts =======================", (0, 0)),
             ("test relay::summary ... ok", (0, 0)),
             ("12 passed, 3 failed", (0, 0)),
         ];
