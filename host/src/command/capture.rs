@@ -35,7 +35,7 @@ const POLL: Duration = Duration::from_millis(50);
 Ctrl-C ends the capture and closes the file properly. Until then the samples are in REC.csv.part, which is a valid
 recording at every moment. Lost samples are counted and never filled in. The header's `gaps` names
 the rows before which samples are missing, and the estimators cut the recording there. A name that ends in .mcap or
-.parquet gives such a file at the end, for PlotJuggler, Foxglove or pandas; its columns are named with their units.
+.parquet gives such a file at the end, for PlotJuggler, Foxglove or pandas. Its columns are named with their units.
 
 `breakaway monitor` in another terminal watches, and --monitor in this one. `breakaway device stop` stops what is running.
 
