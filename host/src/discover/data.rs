@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use crate::fit::{self, Problem, Segment, Track, median, sampled, session};
+use crate::fit::{self, MeasuredMotion, Problem, Segment, median, sampled, session};
 use crate::recording::Recording;
 
 /// Length of the segments to fit and to score, s (docs/discovery.md, section 8).
@@ -23,7 +23,7 @@ pub const WARM_UP_S: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct Data {
     /// All tracks, on one session clock.
-    pub tracks: Arc<[Track]>,
+    pub tracks: Arc<[MeasuredMotion]>,
     /// Segments to fit.
     pub fit: Vec<Segment>,
     /// Held-out segments.

@@ -3,7 +3,7 @@
 use breakaway_core::plant::effect::ActsIn;
 use breakaway_core::plant::{Drive, Effect, Plant};
 
-use crate::fit::{Candidate, Track};
+use crate::fit::{Candidate, MeasuredMotion};
 use crate::recording::Recording;
 
 /// Steps in which the true position is found below a sensor's error. Each gains a factor of the error's slope, which
@@ -23,7 +23,7 @@ pub(super) fn without_effects(recordings: &[Recording], model: &Candidate) -> Ve
 }
 
 fn without(recording: &Recording, plant: &Plant<'_, f64>) -> Recording {
-    let track = Track::new(recording);
+    let track = MeasuredMotion::new(recording);
     let mut own = recording.clone();
     for piece in track.pieces.windows(2) {
         let mut state = plant.at_rest(track.xs[piece[0]]);

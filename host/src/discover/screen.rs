@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::{Data, WARM_UP_S};
 use super::spectrum;
-use crate::fit::{Candidate, Segment, Track, median};
+use crate::fit::{Candidate, MeasuredMotion, Segment, median};
 use crate::identify::weak::{self, Window};
 
 /// Half-widths of the further windows in which periodic effects are sought, s.
@@ -311,7 +311,7 @@ fn trial_value(parameter: &Parameter, force: f64) -> f64 {
 }
 
 /// The force of the plant's effects along the measured motion of a segment.
-fn force_along(plant: &Plant<'_, f64>, track: &Track, segment: &Segment, forces: &mut [f64]) {
+fn force_along(plant: &Plant<'_, f64>, track: &MeasuredMotion, segment: &Segment, forces: &mut [f64]) {
     let remembers = plant.effects.iter().any(|effect| effect.kind.remembers());
     let piece = track.pieces.partition_point(|&p| p <= segment.start) - 1;
     let warm_up = if remembers { (WARM_UP_S / track.ts) as usize } else { 0 };

@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::effect::Over;
 
-use crate::fit::Track;
+use crate::fit::MeasuredMotion;
 use crate::identify::weak::Window;
 
 /// Most peaks that are returned.
@@ -16,7 +16,7 @@ const SPREAD: f64 = 0.3013;
 
 /// Share of the force's sum of squares `total` in its strongest line, 0..1. The share that chance gives the best of
 /// many lines is taken off.
-pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over: Over, total: f64) -> f64 {
+pub fn strongest_share(tracks: &[MeasuredMotion], windows: &[Window], force: &[f64], over: Over, total: f64) -> f64 {
     let points = points(tracks, windows, force, over);
     let width_s = windows.first().map_or(0.0, Window::half_width_s);
     let best = peaks(tracks, windows, force, over).first().map_or(0.0, |n| line_power(&points, *n, width_s));
@@ -26,7 +26,7 @@ pub fn strongest_share(tracks: &[Track], windows: &[Window], force: &[f64], over
 }
 
 /// The strongest wave numbers (or angular frequencies) of the residual force, the strongest first.
-pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<f64> {
+pub fn peaks(tracks: &[MeasuredMotion], windows: &[Window], force: &[f64], over: Over) -> Vec<f64> {
     let points = points(tracks, windows, force, over);
     let width_s = windows.first().map_or(0.0, Window::half_width_s);
     let low = points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
@@ -62,7 +62,7 @@ pub fn peaks(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) ->
 }
 
 /// Coordinate, force, speed of the coordinate and weight at a part of the windows.
-fn points(tracks: &[Track], windows: &[Window], force: &[f64], over: Over) -> Vec<[f64; 4]> {
+fn points(tracks: &[MeasuredMotion], windows: &[Window], force: &[f64], over: Over) -> Vec<[f64; 4]> {
     let step = windows.len().div_ceil(MAX_WINDOWS).max(1);
     let mut chosen: Vec<usize> = (0..windows.len()).step_by(step).collect();
     if windows.iter().any(|w| w.scale < 1.0) {

@@ -45,7 +45,7 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
         }
         since_edge[i] = track.t[k] - track.t[j];
     }
-    let at = |f: &dyn Fn(&crate::fit::Track, usize) -> f64| -> Vec<f64> {
+    let at = |f: &dyn Fn(&crate::fit::MeasuredMotion, usize) -> f64| -> Vec<f64> {
         windows.iter().map(|w| f(&data.tracks[w.track], w.centre)).collect()
     };
     let one = vec![1.0; n];

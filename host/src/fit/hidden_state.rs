@@ -5,7 +5,7 @@ use std::ops::Range;
 use breakaway_core::plant::{Base, Drive, Effect, Plant, State};
 use breakaway_core::scalar::Real;
 
-use super::prepare::Track;
+use super::prepare::MeasuredMotion;
 use super::{Problem, Segment};
 
 impl Problem<'_> {
@@ -44,7 +44,7 @@ pub(super) fn displaced<R: Real>(plant: &Plant<'_, R>, before: &State<R>, start:
 }
 
 /// The effects' memories after the measured motion `before`, from rest.
-fn after_motion<R: Real>(plant: &Plant<'_, R>, before: Range<usize>, track: &Track) -> State<R> {
+fn after_motion<R: Real>(plant: &Plant<'_, R>, before: Range<usize>, track: &MeasuredMotion) -> State<R> {
     let mut state = plant.at_rest(R::from_f64(track.xs[before.start]));
     for k in before {
         let drive = Drive { u: &track.u[..=k], ts: track.dt(k), t: track.t[k] };

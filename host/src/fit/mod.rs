@@ -2,7 +2,7 @@
 //! and velocity. Base and effect parameters are fitted jointly (docs/theory.md, section 5; docs/discovery.md, section
 //! 8). The cost is `Σ_segments n/2·log(σ² + mse)`. Its logarithm bounds the influence of any one segment.
 //!
-//! 1. `prepare` makes a [`Track`] of a recording (`smoothing`, `noise`); `segments` cuts it.
+//! 1. `prepare` makes a [`MeasuredMotion`] of a recording (`smoothing`, `noise`); `segments` cuts it.
 //! 2. `initial_state` starts every segment from the smoothed motion, `hidden_state` from what effects remember of the motion before.
 //! 3. `simulate` simulates one segment; `normal` does it with numbers that carry derivatives (`dual`): its normal equations.
 //! 4. `equations` eliminates the initial states by Schur complement and solves for the parameters (`prior`: of second bodies).
@@ -36,7 +36,7 @@ mod statistics;
 
 pub use candidate::{Candidate, Free};
 pub use covariance::Covariance;
-pub use prepare::{Track, session};
+pub use prepare::{MeasuredMotion, session};
 pub use segments::{Segment, sampled, segments};
 pub use settings::SCORE_ITERATIONS;
 use settings::{LEAST_TO_SOFTEN, SOFTEN_ABOVE};
@@ -50,7 +50,7 @@ pub type Start = [f64; 4];
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
     /// Prepared recordings.
-    pub tracks: &'a [Track],
+    pub tracks: &'a [MeasuredMotion],
     /// Segments to fit.
     pub segments: &'a [Segment],
     /// Noise floor, position units.

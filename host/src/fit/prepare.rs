@@ -10,7 +10,7 @@ use crate::recording::{Recording, share_a_clock};
 /// A recording with smoothed position, velocity and acceleration. These are starting values, and the motion of the
 /// screen. Fits use the measured position.
 #[derive(Clone, Debug)]
-pub struct Track {
+pub struct MeasuredMotion {
     /// The recording's name.
     pub name: String,
     /// Session time, s, strictly increasing.
@@ -43,7 +43,7 @@ pub struct Track {
     pub jitter_s: f64,
 }
 
-impl Track {
+impl MeasuredMotion {
     /// Prepares one recording. A gap, longer than five median intervals, cuts it into pieces.
     pub fn new(recording: &Recording) -> Self {
         let n = recording.t.len();
@@ -116,16 +116,16 @@ impl Track {
 
 /// Prepares several recordings on one session clock. Recordings that share a running clock keep it. Otherwise a recording
 /// whose clock starts before the previous one's end is moved to follow it.
-pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<Track> {
+pub fn session<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Vec<MeasuredMotion> {
     let recordings: Vec<&Recording> = recordings.into_iter().collect();
     if share_a_clock(recordings.iter().copied()) {
-        return recordings.into_iter().map(Track::new).collect();
+        return recordings.into_iter().map(MeasuredMotion::new).collect();
     }
     let mut end = f64::NEG_INFINITY;
     recordings
         .into_iter()
         .map(|recording| {
-            let mut track = Track::new(recording);
+            let mut track = MeasuredMotion::new(recording);
             let first = track.t.first().copied().unwrap_or(0.0);
             if first < end {
                 let shift = end + track.ts - first;

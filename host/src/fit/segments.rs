@@ -1,6 +1,6 @@
 //! Segments: samples of a track that are simulated in one go.
 
-use super::prepare::Track;
+use super::prepare::MeasuredMotion;
 
 /// Samples of a track that are simulated in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Segment {
 
 /// Cuts the pieces of the tracks into segments of `length_s`, 8 samples at least. A remnant of less than half is
 /// dropped.
-pub fn segments(tracks: &[Track], length_s: f64) -> Vec<Segment> {
+pub fn segments(tracks: &[MeasuredMotion], length_s: f64) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (track, prepared) in tracks.iter().enumerate() {
         let len = ((length_s / prepared.ts).round() as usize).max(8);

@@ -1,8 +1,8 @@
 //! Smoothed motion: a local cubic around every sample.
 
-use super::prepare::Track;
+use super::prepare::MeasuredMotion;
 
-impl Track {
+impl MeasuredMotion {
     /// Local least squares around every sample of `from..to`.
     pub(super) fn smooth(&mut self, from: usize, to: usize, half: usize, residuals: &mut [f64]) {
         if to - from < 5 {

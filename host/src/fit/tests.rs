@@ -14,7 +14,7 @@ const BASE: Base<f64> = Base { b: 0.02685, c: 0.11, f1: 0.5 };
 const LOAD: f64 = 0.1;
 const SIGMA: f64 = 1e-3;
 
-fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<Track> {
+fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<MeasuredMotion> {
     let run = |(h1, h2, seed)| -> Recording {
         let experiment = Experiment {
             name: "relay".into(),
@@ -33,7 +33,7 @@ fn tracks(duration_s: f64, noise: f64, seed: u64) -> Vec<Track> {
 }
 
 /// A fit that starts 20 % off. `sigma` is the noise floor.
-fn fitted(tracks: &[Track], sigma: f64) -> (Fit, Covariance) {
+fn fitted(tracks: &[MeasuredMotion], sigma: f64) -> (Fit, Covariance) {
     let segments = segments(tracks, 0.4);
     let start = Candidate {
         base: Base { b: 1.2 * BASE.b, c: 0.8 * BASE.c, f1: 1.2 * BASE.f1 },
@@ -135,7 +135,7 @@ fn a_start_that_all_but_rests_is_found() {
                 x
             })
             .collect();
-        let tracks = [Track::new(&Recording { name: "creep".into(), t, u, x, ..Recording::default() })];
+        let tracks = [MeasuredMotion::new(&Recording { name: "creep".into(), t, u, x, ..Recording::default() })];
         let segments = [Segment { track: 0, start: 20, len: 400 }];
         let problem = Problem {
             tracks: &tracks,
@@ -199,7 +199,8 @@ fn the_largest_base_is_three_times_what_the_drive_moves() {
     let (drive, amplitude, omega) = (0.7_f64, 0.3_f64, std::f64::consts::TAU);
     let t: Vec<f64> = (0..20_000).map(|k| f64::from(k) * 1e-3).collect();
     let wave = |size: f64| t.iter().map(|t| size * (omega * t).sin()).collect();
-    let tracks = [Track::new(&Recording { u: wave(drive), x: wave(amplitude), t: t.clone(), ..Recording::default() })];
+    let tracks =
+        [MeasuredMotion::new(&Recording { u: wave(drive), x: wave(amplitude), t: t.clone(), ..Recording::default() })];
     let problem = Problem {
         tracks: &tracks,
         segments: &[],

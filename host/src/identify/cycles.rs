@@ -9,7 +9,7 @@ use breakaway_core::estimate::describing_function::{CycleFit, DescribingError, d
 use breakaway_core::estimate::modulating::{Block, Modulating, Refusal, estimate};
 
 use super::estimate::{ModelEstimate, Remark, Value};
-use crate::fit::{Track, median};
+use crate::fit::{MeasuredMotion, median};
 use crate::recording::{Recording, Signal};
 use crate::sine;
 
@@ -42,7 +42,7 @@ struct Relay<'a> {
 
 /// Runs the streaming estimators over the relay recordings among `recordings`; `tracks` are the same, prepared.
 /// Nothing at all where there is no relay recording.
-pub fn estimates(recordings: &[Recording], tracks: &[Track]) -> CycleEstimates {
+pub fn estimates(recordings: &[Recording], tracks: &[MeasuredMotion]) -> CycleEstimates {
     let relays: Vec<Relay<'_>> = recordings.iter().zip(tracks).filter_map(|(r, t)| Relay::new(r, t)).collect();
     let mut found = CycleEstimates::default();
     if relays.is_empty() {
@@ -80,7 +80,7 @@ fn advice(error: DescribingError, settled: usize) -> &'static str {
 impl<'a> Relay<'a> {
     /// `None` unless the recording is evenly sampled and its drive has at most four levels, symmetric about zero, that
     /// alternate with a steady period.
-    fn new(recording: &'a Recording, track: &Track) -> Option<Self> {
+    fn new(recording: &'a Recording, track: &MeasuredMotion) -> Option<Self> {
         let ts = recording.evenly_sampled()?;
         let mut levels: Vec<f64> = Vec::new();
         for &u in &recording.u {

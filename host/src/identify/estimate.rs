@@ -14,7 +14,7 @@ use super::swapped;
 use super::weak;
 pub use super::winding::mechanical;
 use super::winding::winding;
-use crate::fit::{Track, median, session};
+use crate::fit::{MeasuredMotion, median, session};
 use crate::recording::Recording;
 
 pub use super::choice::{Choice, Reason};
@@ -96,7 +96,7 @@ fn choose(identified: &mut Identification, prepared: &Prepared) {
 
 /// What the estimators work on.
 pub(super) struct Prepared {
-    tracks: Vec<Track>,
+    tracks: Vec<MeasuredMotion>,
     windows: Vec<weak::Window>,
     both: bool,
 }
@@ -193,8 +193,8 @@ pub(super) fn assuming_held(recordings: &[Recording]) -> Result<(Identification,
 
 /// Work of the drive on the motion, drive units times position units. Friction absorbs it, so it is positive, unless
 /// drive or position has the wrong sign.
-fn work(tracks: &[Track]) -> f64 {
-    let of = |track: &Track| {
+fn work(tracks: &[MeasuredMotion]) -> f64 {
+    let of = |track: &MeasuredMotion| {
         let pieces = track.pieces.windows(2).flat_map(|piece| piece[0] + 1..piece[1]);
         pieces.map(|k| track.u[k - 1] * (track.xs[k] - track.xs[k - 1])).sum::<f64>()
     };

@@ -7,7 +7,7 @@ use super::equation_error::{both_directions, from_weak};
 use super::held_out::{self, Comparison, Fold};
 use super::output_error::{FIT_ITERATIONS, FIT_SEGMENT_S, OUTPUT_ERROR, model_of, output_error};
 use super::weak::{self, Window};
-use crate::fit::{Candidate, Free, Problem, Track, median, session};
+use crate::fit::{Candidate, Free, MeasuredMotion, Problem, median, session};
 use crate::recording::Recording;
 
 /// Travel from which the data tell gravity from a constant load and a spring, rad. Over half of it the cosine falls by
@@ -60,7 +60,7 @@ pub(super) fn tried(recordings: &[Recording], estimator: &str) -> Option<Gravity
 }
 
 /// Largest position less the smallest one.
-fn travel(tracks: &[Track]) -> f64 {
+fn travel(tracks: &[MeasuredMotion]) -> f64 {
     let all = || tracks.iter().flat_map(|track| track.xs.iter().copied());
     all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
 }
@@ -76,7 +76,7 @@ fn fitted(problem: &Problem<'_>, fold: &Fold, both: bool, gravity: bool, estimat
 }
 
 /// The same by equation error: m·sin(x + φ) is linear in m·cos φ and m·sin φ.
-fn by_forces(tracks: &[Track], windows: &[Window], both: bool, gravity: bool) -> Option<Candidate> {
+fn by_forces(tracks: &[MeasuredMotion], windows: &[Window], both: bool, gravity: bool) -> Option<Candidate> {
     let (base, target) = weak::base_columns(windows);
     let own = if both { 4 } else { 3 };
     let columns = DMatrix::from_fn(windows.len(), own + if gravity { 2 } else { 0 }, |i, j| {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::output_error::MAX_SEGMENTS;
 use super::weak::Window;
-use crate::fit::{Candidate, Problem, SCORE_ITERATIONS, Segment, Track};
+use crate::fit::{Candidate, MeasuredMotion, Problem, SCORE_ITERATIONS, Segment};
 
 /// Length of a block, s: three segments of the simulation's fit, and longer than friction remembers.
 const BLOCK_S: f64 = 1.2;
@@ -92,7 +92,7 @@ pub(super) struct Fold {
 }
 
 /// Cuts every piece of the tracks into blocks of about [`BLOCK_S`]; shorter pieces have none.
-pub(super) fn blocks(tracks: &[Track]) -> Vec<Block> {
+pub(super) fn blocks(tracks: &[MeasuredMotion]) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (index, track) in tracks.iter().enumerate() {
         let len = ((BLOCK_S / track.ts).round() as usize).max(2 * horizon(track, HORIZON_S));
@@ -107,7 +107,7 @@ pub(super) fn blocks(tracks: &[Track]) -> Vec<Block> {
 }
 
 /// Samples of a horizon.
-fn horizon(track: &Track, horizon_s: f64) -> usize {
+fn horizon(track: &MeasuredMotion, horizon_s: f64) -> usize {
     ((horizon_s / track.ts).round() as usize).max(LEAST_HORIZON)
 }
 
@@ -117,7 +117,13 @@ fn members(blocks: &[Block], fold: usize) -> impl Iterator<Item = &Block> {
 }
 
 /// What is fitted of a fold. `windows` are all windows, in order.
-pub(super) fn fold(tracks: &[Track], blocks: &[Block], windows: &[Window], segment_s: f64, fold: usize) -> Fold {
+pub(super) fn fold(
+    tracks: &[MeasuredMotion],
+    blocks: &[Block],
+    windows: &[Window],
+    segment_s: f64,
+    fold: usize,
+) -> Fold {
     let mut own = Fold { windows: Vec::new(), segments: Vec::new() };
     for block in members(blocks, fold) {
         let first = windows.partition_point(|w| (w.track, w.first) < (block.track, block.start));

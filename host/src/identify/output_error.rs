@@ -3,7 +3,7 @@
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::result::{ModelEstimate, Value};
-use crate::fit::{self, Candidate, Fit, Free, Problem, Track};
+use crate::fit::{self, Candidate, Fit, Free, MeasuredMotion, Problem};
 
 /// The estimator's name.
 pub(super) const OUTPUT_ERROR: &str = "output_error";
@@ -15,8 +15,9 @@ pub(super) const FIT_SEGMENT_S: f64 = 0.4;
 pub(super) const MAX_SEGMENTS: usize = 160;
 
 /// An inertia to start from where equation error gives none: its force is a tenth of the drive.
-pub(super) fn small_inertia(tracks: &[Track]) -> f64 {
-    let mean_square = |of: fn(&Track) -> &[f64]| tracks.iter().flat_map(of).map(|value| value * value).sum::<f64>();
+pub(super) fn small_inertia(tracks: &[MeasuredMotion]) -> f64 {
+    let mean_square =
+        |of: fn(&MeasuredMotion) -> &[f64]| tracks.iter().flat_map(of).map(|value| value * value).sum::<f64>();
     0.1 * (mean_square(|track| &track.u) / mean_square(|track| &track.acceleration).max(f64::MIN_POSITIVE)).sqrt()
 }
 
@@ -34,11 +35,11 @@ pub(super) fn from_fit(problem: &Problem<'_>, fit: &Fit, both: bool) -> ModelEst
 }
 
 /// At most [`MAX_SEGMENTS`] segments, evenly taken.
-pub(super) fn sampled_segments(tracks: &[Track], length_s: f64) -> Vec<fit::Segment> {
+pub(super) fn sampled_segments(tracks: &[MeasuredMotion], length_s: f64) -> Vec<fit::Segment> {
     fit::sampled(fit::segments(tracks, length_s), MAX_SEGMENTS)
 }
 
-pub(super) fn output_error<'a>(tracks: &'a [Track], segments: &'a [fit::Segment], noise: f64) -> Problem<'a> {
+pub(super) fn output_error<'a>(tracks: &'a [MeasuredMotion], segments: &'a [fit::Segment], noise: f64) -> Problem<'a> {
     let sigma = noise.max(f64::MIN_POSITIVE);
     Problem { tracks, segments, sigma, warm_up_s: 0.0, softening: 0.0, coarse: false, work: None }
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
-use crate::fit::Track;
+use crate::fit::MeasuredMotion;
 
 /// Half-width of a window, s; at least `MIN_HALF_SAMPLES` samples.
 pub const HALF_WIDTH_S: f64 = 0.020;
@@ -26,7 +26,7 @@ const I2: f64 = 256.0 / 3465.0;
 /// One window: the sides of its equation and where it lies.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// Track it lies in.
+    /// MeasuredMotion it lies in.
     pub track: usize,
     /// First sample; the weights run from here.
     pub first: usize,
@@ -111,13 +111,17 @@ impl Kernels {
 }
 
 /// All windows of the tracks that lie within one piece and hold no stick phase.
-pub fn windows(tracks: &[Track]) -> Vec<Window> {
+pub fn windows(tracks: &[MeasuredMotion]) -> Vec<Window> {
     windows_of(tracks, HALF_WIDTH_S, |_, _, _| true)
 }
 
 /// As [`windows`], of another half-width, s; the noise of their force falls as its power −2.5. Only those that are
 /// wanted, by track, first and last sample.
-pub fn windows_of(tracks: &[Track], half_width_s: f64, wanted: impl Fn(usize, usize, usize) -> bool) -> Vec<Window> {
+pub fn windows_of(
+    tracks: &[MeasuredMotion],
+    half_width_s: f64,
+    wanted: impl Fn(usize, usize, usize) -> bool,
+) -> Vec<Window> {
     let mut all = Vec::new();
     for (index, track) in tracks.iter().enumerate() {
         let half = ((half_width_s / track.ts).round() as usize).max(MIN_HALF_SAMPLES);
@@ -149,7 +153,7 @@ pub fn windows_of(tracks: &[Track], half_width_s: f64, wanted: impl Fn(usize, us
 }
 
 fn window(
-    track: &Track,
+    track: &MeasuredMotion,
     index: usize,
     first: usize,
     centre: usize,
@@ -186,7 +190,7 @@ fn window(
 }
 
 /// Samples within a stick phase: the smoothed velocity stays below its noise for five samples or more.
-fn still_samples(track: &Track) -> Vec<bool> {
+fn still_samples(track: &MeasuredMotion) -> Vec<bool> {
     let half = ((0.010 / track.ts).round() as usize).max(4);
     let points = (2 * half + 1) as f64;
     // Standard deviation of the slope of a local cubic on n points: σ·√(75/n³)/Ts.

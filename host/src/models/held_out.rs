@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::effect::Memory;
 
-use crate::fit::{Candidate, Problem, SCORE_ITERATIONS, Segment, Track, median, sampled, segments, session};
+use crate::fit::{Candidate, MeasuredMotion, Problem, SCORE_ITERATIONS, Segment, median, sampled, segments, session};
 use crate::recording::Recording;
 
 /// Length of a window to which its start is fitted, as a share of the window: 0.4 s of 1 s, as in a discovery.
@@ -39,7 +39,7 @@ pub struct Score {
 }
 
 /// Whether the last third of every recording holds a segment: what a discovery holds out without `--holdout`.
-fn is_held_out(tracks: &[Track], segment: &Segment) -> bool {
+fn is_held_out(tracks: &[MeasuredMotion], segment: &Segment) -> bool {
     segment.start * 3 >= tracks[segment.track].t.len() * 2
 }
 

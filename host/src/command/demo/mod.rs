@@ -19,7 +19,7 @@ use super::output::Output;
 use super::progress;
 use super::run::papers_plant;
 use crate::file::{make_folder, write_whole};
-use crate::fit::{Candidate, Problem, Segment, Track, session};
+use crate::fit::{Candidate, MeasuredMotion, Problem, Segment, session};
 use crate::identify::estimate::{self, Identification, Value};
 use crate::recording::{Recording, Signal, Units};
 use crate::report::identification::{self, Cycle, Span, Story};
@@ -236,7 +236,7 @@ fn cycle(
     index: usize,
     experiment: &Experiment,
     sine: &SineFit,
-    tracks: &[Track],
+    tracks: &[MeasuredMotion],
     base: Base<f64>,
     sigma: f64,
     units: &Units,

@@ -191,7 +191,7 @@ fn repeat(recordings: &[PathBuf], columns: &ColumnArgs) -> String {
 /// Where the recordings were; the speed is the smoothed motion's.
 fn range(recordings: &[Recording]) -> Range {
     let tracks = session(recordings);
-    let all = |of: fn(&crate::fit::Track) -> &[f64]| tracks.iter().flat_map(of).copied();
+    let all = |of: fn(&crate::fit::MeasuredMotion) -> &[f64]| tracks.iter().flat_map(of).copied();
     let positions = all(|track| &track.x);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, value| most.max(value.abs()));
     Range {

@@ -1,7 +1,7 @@
 //! The gap against numbers worked out by hand, and every bound of what is decided on it, from both sides.
 
 use super::*;
-use crate::fit::{Candidate, Track};
+use crate::fit::{Candidate, MeasuredMotion};
 use breakaway_core::plant::Base;
 
 /// Far from every bound: a gap that an effect can explain.
@@ -21,7 +21,7 @@ const SIGMA: f64 = 3.0;
 fn held(x: Vec<f64>, segment: usize, window: usize) -> (Data, Fit) {
     let n = x.len();
     let zeros = vec![0.0; n];
-    let track = Track {
+    let track = MeasuredMotion {
         name: "held".into(),
         t: (0..n).map(|k| k as f64 * TS).collect(),
         u: zeros.clone(),

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use crate::fit::Track;
+use crate::fit::MeasuredMotion;
 use crate::fit::settings::HALF_WIDTH_S;
 use crate::recording::{Recording, Units};
 
@@ -28,7 +28,7 @@ fn a_resting_axis_seems_to_rest_at_the_ends_too() {
             units: Units::default(),
             ..Recording::default()
         };
-        let track = Track::new(&recording);
+        let track = MeasuredMotion::new(&recording);
         square += track.vs[0].powi(2) + track.vs[63].powi(2);
     }
     let deviation = (square / 400.0).sqrt() / (SIGMA / HALF_WIDTH_S);

@@ -2,12 +2,12 @@
 
 use super::*;
 
-fn track(samples: usize, gap_at: Option<usize>) -> Track {
+fn track(samples: usize, gap_at: Option<usize>) -> MeasuredMotion {
     let t: Vec<f64> = (0..samples).map(|k| k as f64 * 1e-3).collect();
     let x = t.iter().map(|t| (6.0 * t).sin()).collect();
     let gaps = gap_at.into_iter().collect();
     let recording = crate::recording::Recording { u: vec![0.0; samples], x, t, gaps, ..Default::default() };
-    Track::new(&recording)
+    MeasuredMotion::new(&recording)
 }
 
 /// Blocks lie within pieces, cover them without overlap, and are about 1.2 s; a piece of 1 s has none.

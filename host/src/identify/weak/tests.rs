@@ -14,9 +14,9 @@ fn times(jitter: f64) -> Vec<f64> {
         .collect()
 }
 
-fn windows_of(jitter: f64, x: impl Fn(f64) -> f64) -> (Vec<Window>, Track) {
+fn windows_of(jitter: f64, x: impl Fn(f64) -> f64) -> (Vec<Window>, MeasuredMotion) {
     let t = times(jitter);
-    let track = Track::new(&Recording {
+    let track = MeasuredMotion::new(&Recording {
         u: vec![0.0; t.len()],
         x: t.iter().map(|t| x(*t)).collect(),
         t,
@@ -26,7 +26,7 @@ fn windows_of(jitter: f64, x: impl Fn(f64) -> f64) -> (Vec<Window>, Track) {
 }
 
 /// ∫φ·g over the window's support, by the midpoint rule on 4000 points (error 1e-10 of the largest value).
-fn integral(track: &Track, window: &Window, g: impl Fn(f64) -> f64) -> f64 {
+fn integral(track: &MeasuredMotion, window: &Window, g: impl Fn(f64) -> f64) -> f64 {
     let centre = track.t[window.centre];
     let h = 2.0 * window.width / 4000.0;
     (0..4000)

@@ -6,7 +6,7 @@ use breakaway_core::plant::effect::{ActsIn, Instant, Over, Search};
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use crate::discover::outcome::Discovery;
-use crate::fit::Track;
+use crate::fit::MeasuredMotion;
 use crate::recording::Recording;
 
 /// Fewest and most bins of a period: 30° and 15° of the wave each. The mean over a bin keeps 98.9 % and more of the wave.
@@ -52,7 +52,7 @@ pub fn folds(recordings: &[Recording], found: &Discovery) -> Vec<Fold> {
     if named.is_empty() {
         return Vec::new();
     }
-    let tracks: Vec<Track> = recordings.iter().map(Track::new).collect();
+    let tracks: Vec<MeasuredMotion> = recordings.iter().map(MeasuredMotion::new).collect();
     named.into_iter().filter_map(|(j, (i, over))| fold(&tracks, found, j, i, over)).collect()
 }
 
@@ -71,7 +71,7 @@ fn force(effect: &Effect<f64>, base: &Base<f64>, at: &Instant<f64>) -> f64 {
     effect.force(at) - effect.level(base, at) * at.v.signum()
 }
 
-fn fold(tracks: &[Track], found: &Discovery, j: usize, i: usize, over: Over) -> Option<Fold> {
+fn fold(tracks: &[MeasuredMotion], found: &Discovery, j: usize, i: usize, over: Over) -> Option<Fold> {
     let (base, effects) = (found.model.base, &found.model.effects);
     let own = &effects[j];
     let wave = own.p[i].abs();
@@ -116,7 +116,7 @@ struct Window {
 }
 
 /// Windows in motion without a reversal. The wave turns by at most [`MOST_WAVE_RAD`] in each.
-fn windows(track: &Track, wave: f64) -> Vec<Window> {
+fn windows(track: &MeasuredMotion, wave: f64) -> Vec<Window> {
     let half_s = (HALF_WAVE_RAD / (wave * track.typical_speed)).min(LONGEST_S);
     let half = ((half_s / track.ts).round() as usize).max(FEWEST_SAMPLES);
     let mut found = Vec::new();
@@ -140,7 +140,7 @@ fn windows(track: &Track, wave: f64) -> Vec<Window> {
 /// Averages over the samples from `first` to `last`, weighted by (1 − s²)³ at the samples, s from −1 to 1, and by
 /// straight lines between them. The weight's second derivative is then a sum of impulses at the samples. The average
 /// of the acceleration is a sum over measured positions without any error of quadrature.
-fn averaged(track: &Track, first: usize, last: usize) -> Window {
+fn averaged(track: &MeasuredMotion, first: usize, last: usize) -> Window {
     let middle_s = 0.5 * (track.t[first] + track.t[last]);
     let long_s = 0.5 * (track.t[last] - track.t[first]);
     let at = |k: usize| (1.0 - ((track.t[k] - middle_s) / long_s).powi(2)).max(0.0).powi(3);

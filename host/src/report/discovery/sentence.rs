@@ -78,9 +78,12 @@ fn explained(found: &Discovery) -> Option<String> {
         return Some(format!("{it} {:.0} % of the unexplained force.", 100.0 * share));
     }
     let horizon = Horizon::of(found);
-    let [before, after] = [first, last].map(|rung| quantity(horizon.error(rung), &found.units.x, 2));
+    let errors = [first, last].map(|rung| horizon.error(rung));
+    // Behind teeth a simulated rotor may be off by one, although the force falls.
+    let moves = if errors[1] < errors[0] { "falls" } else { "rises" };
+    let [before, after] = errors.map(|error| quantity(error, &found.units.x, 2));
     let with = if found.effects.len() > 1 { "them" } else { "it" };
-    Some(format!("With {with} the held-out simulation error {} falls from {before} to {after}.", horizon.words()))
+    Some(format!("With {with} the held-out simulation error {} {moves} from {before} to {after}.", horizon.words()))
 }
 
 fn left(found: &Discovery) -> Option<String> {

@@ -217,6 +217,15 @@ fn headline_and_tiles_have_one_horizon() {
     }
 }
 
+/// Behind teeth the simulated error may grow with the right effect. The headline says so.
+#[test]
+fn an_error_that_grows_does_not_fall() {
+    let mut sample = sample::explained();
+    sample.ladder.reverse();
+    let sentence = discovery::sentence::sentence(&sample);
+    assert!(sentence.contains("rises from") && !sentence.contains("falls"), "{sentence}");
+}
+
 /// An unknown whose best coordinate predicts 1 % says that none does, and names no place.
 #[test]
 fn an_unknown_that_no_coordinate_predicts_says_so() {
