@@ -1,4 +1,4 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `fuzz`, `miri`,
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `web-test`, `fuzz`, `miri`,
 //! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
 //! `logs-test`, `python-test`.
 
@@ -60,6 +60,8 @@ enum Task {
     },
     /// Build the page that identifies and discovers in a browser, as web/index.html in the target folder
     Web,
+    /// Build the page for the browser, and try it in a headless Chromium
+    WebTest,
     /// Search the inputs for one that breaks a promise, with libFuzzer; needs cargo-fuzz, and is no part of `test`
     Fuzz {
         /// Inputs: recording, log, model, controller, experiment, frame, command, flash; all of them where none is named
@@ -131,6 +133,7 @@ fn main() -> ExitCode {
         Task::Image => image::all(),
         Task::Uf2 => rp2350::all(),
         Task::Web => web::build(),
+        Task::WebTest => web::test(),
         Task::Pico2Test => rp2350::test(),
         Task::Budget { record } => budget::all(record),
         Task::Fuzz { targets, seconds } => fuzz::all(&targets, seconds),

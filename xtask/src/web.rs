@@ -1,10 +1,11 @@
-//! `cargo xtask web`: the page that identifies and discovers in a browser, `web` in the target folder.
+//! `cargo xtask web` and `web-test`: the page that identifies and discovers in a browser, `web` in the target folder.
 
 use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use crate::chromium;
 use crate::cross::{self, target_folder};
 use crate::run::{cargo, root, run};
 
@@ -33,6 +34,13 @@ pub fn build() -> Result<()> {
     }
     println!("{}", folder.join("index.html").display());
     Ok(())
+}
+
+/// Builds the page, and tries it in a headless Chromium.
+pub fn test() -> Result<()> {
+    build()?;
+    chromium::program()?;
+    run(&mut cargo(["test", "--package", "breakaway-web", "--test", "browser"]))
 }
 
 /// Where the page is.
