@@ -108,7 +108,10 @@ fn steps(report: &mut Report) -> Result<()> {
         report.not_run(format!("exported models in MuJoCo: {error:#}"));
     }
     let simulators = matches!(simulators, Some(Ok(_)));
-    report.check("page for the browser", web::build)?;
+    match cross::install_wasm() {
+        Ok(()) => report.check("page for the browser", web::build)?,
+        Err(error) => report.not_run(format!("page for the browser: {error:#}")),
+    }
     report.not_run("the page in a browser: `cargo xtask web-test`".to_owned());
     let programs =
         [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", false)];
