@@ -1,6 +1,6 @@
-//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `pico2-test`, `budget`, `web`, `web-test`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `fleet-test`, `export-test`,
-//! `logs-test`, `python-test`.
+//! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `budget`, `web`, `fuzz`, `miri`,
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`. Tests by themselves are `pico2-test`, `web-test`,
+//! `fleet-test`, `export-test`, `logs-test`, `python-test`.
 
 mod ahead;
 mod arrows;
