@@ -12,11 +12,12 @@ use std::io::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use breakaway::discover::progress::Progress;
 use breakaway_hidden::{Case, Setting};
 use breakaway_tests::blind::asked::Asked;
 use breakaway_tests::blind::limit::{Clock, Watch};
 use breakaway_tests::blind::rows::{HEADER, Row, UNKIND_HEADER};
-use breakaway_tests::blind::{in_words, run, table};
+use breakaway_tests::blind::{in_words, run_watched, table};
 
 /// The value of an option, given without its dashes.
 fn option(name: &str) -> Option<String> {
@@ -30,7 +31,11 @@ fn flag(name: &str) -> bool {
 
 fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
     let clock = Clock::start();
-    let row = match run(case) {
+    let steps = |what: Progress<'_>| match what {
+        Progress::Step(what) if verbose => println!("       {:6.1} s  {what}", clock.processor_s().unwrap_or(f64::NAN)),
+        _ => (),
+    };
+    let row = match run_watched(case, &steps) {
         Ok((scored, found)) => {
             if verbose {
                 println!("       {}", in_words(&found).join("\n       "));

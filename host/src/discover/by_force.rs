@@ -43,6 +43,9 @@ pub(super) fn found(
         )
     };
     let mut remarks: Vec<String> = ruling.seen.iter().map(small).collect();
+    remarks.extend(ruling.of_recordings.map(|[own, all]| {
+        format!("{own} of {all} recordings name it alone and together; the others hold too little of it")
+    }));
     let fit = if ruling.findings.is_empty() {
         base.clone()
     } else {
@@ -131,11 +134,11 @@ pub(super) fn force(ruling: &Ruling) -> Force {
     }
 }
 
-/// The verdict: by whether something was named, and by whether the force that is left can be predicted.
+/// The verdict: by whether something was named, whether the force that is left can be predicted, and whether it is little.
 fn verdict(ruling: &Ruling) -> Verdict {
     match (ruling.findings.is_empty(), ruling.remainder.predictable) {
-        (false, None) => Verdict::Explained,
-        (false, Some(_)) => Verdict::PartlyExplained,
+        (false, None) if ruling.leaves_little() => Verdict::Explained,
+        (false, _) => Verdict::PartlyExplained,
         (true, None) if ruling.tells_nothing_is_missing() => Verdict::NothingMissing,
         (true, _) => Verdict::Unknown,
     }

@@ -14,6 +14,7 @@ mod model;
 pub mod next_experiment;
 pub mod outcome;
 pub mod progress;
+mod replication;
 pub mod ruled;
 pub mod screen;
 mod search;

@@ -6,6 +6,7 @@ use super::judge::ruling::{Ruling, rule_from};
 use super::judge::settings::Settings;
 use super::judge::zeros;
 use super::known::without_effects;
+use super::replication::replicated;
 use crate::fit::Candidate;
 use crate::recording::{Recording, Units};
 
@@ -57,7 +58,8 @@ pub(super) fn leaves_random_torque(request: &Request, model: &Candidate, ruling:
     !bodies && again().is_some_and(|again| again.findings.is_empty() && again.shaken())
 }
 
-/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s.
+/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s. Where all recordings
+/// together name nothing, it is what several of them name alone.
 fn rule_beside(
     request: &Request,
     known: Option<&Candidate>,
@@ -66,12 +68,19 @@ fn rule_beside(
     settings: &Settings,
 ) -> Option<Ruling> {
     let rule = |recordings: &[Recording]| rule_from(recordings, radians(units), half_width_s, settings);
-    let Some(known) = known else { return rule(&request.recordings) };
-    rule(&without_effects(&request.recordings, known)).map(|ruling| ruling.beside(&known.effects))
+    let left = known.map(|known| without_effects(&request.recordings, known));
+    let recordings = left.as_deref().unwrap_or(&request.recordings);
+    let all = rule(recordings);
+    let silent = all.as_ref().is_none_or(|ruling| ruling.findings.is_empty());
+    let ruling = silent.then(|| replicated(recordings, rule)).flatten().or(all);
+    match known {
+        Some(known) => ruling.map(|ruling| ruling.beside(&known.effects)),
+        None => ruling,
+    }
 }
 
 /// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.
-pub(super) fn radians(units: &Units) -> Option<f64> {
+pub fn radians(units: &Units) -> Option<f64> {
     matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
 }
 

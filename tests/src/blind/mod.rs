@@ -9,6 +9,7 @@ pub mod unkind;
 
 use breakaway::discover::engine::{Request, discover};
 use breakaway::discover::outcome::{CandidateRow, Discovery, Verdict};
+use breakaway::discover::progress::Watch;
 use breakaway::recording::{Recording, Units};
 use breakaway_hidden::{Case, Hidden, Record, Role, Session, Truth};
 
@@ -62,13 +63,21 @@ pub fn recording(session: &Session, record: &Record) -> Recording {
 /// # Errors
 /// The discovery's own error, in words.
 pub fn run(case: &Case) -> Result<(Scored, Discovery), String> {
+    run_watched(case, &|_| ())
+}
+
+/// The same; `progress` is called as the discovery goes on.
+///
+/// # Errors
+/// The discovery's own error, in words.
+pub fn run_watched(case: &Case, progress: Watch<'_>) -> Result<(Scored, Discovery), String> {
     let (session, truth) = case.generate_with_truth();
     let request = Request {
         recordings: recordings(&session, Role::Fit),
         holdout: recordings(&session, Role::Score),
         ..Request::default()
     };
-    let found = discover(&request, &|_| ()).map_err(|error| error.to_string())?;
+    let found = discover(&request, progress).map_err(|error| error.to_string())?;
     let own = truth.own_error(&session, Role::Score);
     Ok((score(&truth, own, &found), found))
 }

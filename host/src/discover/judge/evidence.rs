@@ -1,5 +1,6 @@
 //! The evidence for a term, and the reasons not to believe it.
 
+use super::compliance;
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Side, Weights};
@@ -48,6 +49,11 @@ pub struct Bar {
 impl Bar {
     /// Any gain is enough.
     pub const OPEN: Self = Self { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
+
+    /// Whether the gains are enough: over all rows on the side that gains less, and where the effect acts on side U.
+    pub fn reached_by(&self, evidence: &Evidence) -> bool {
+        evidence.gain() >= self.flat && evidence.u.local >= self.local
+    }
 }
 
 /// What speaks for a term beside a model.
@@ -55,11 +61,11 @@ impl Bar {
 pub struct Evidence {
     /// Side U.
     pub u: Gain,
-    /// Side A.
+    /// Side A; for a bristle beside a base that does not tell the inertia, side C.
     pub a: Gain,
-    /// ‖F_U − F_A‖/‖F_U‖; 0 where side A has no force of its own.
+    /// ‖F_U − F_A‖/‖F_U‖; 0 where side A has no force of its own. On side C it is that of the stiffnesses.
     pub disagreement: f64,
-    /// ρ² with the term.
+    /// ρ² with the term. On side C it is the share of the bending that the drive's rate determines.
     pub coherence: f64,
     /// Why it cannot be named; `None` if only rivals can speak against it.
     pub rejection: Option<Rejection>,
@@ -69,10 +75,6 @@ impl Evidence {
     /// The smaller gain of the two sides.
     pub fn gain(&self) -> f64 {
         self.u.flat.min(self.a.flat)
-    }
-    /// The smaller local gain.
-    pub fn local(&self) -> f64 {
-        self.u.local.min(self.a.local)
     }
     /// The smaller z.
     pub fn z(&self) -> f64 {
@@ -96,8 +98,14 @@ pub fn weigh(
     let term = &model.terms[index];
     let (lag_u, own_u) = own_force(before, after, term, index, true);
     let (_, own_a) = own_force(before, after, term, index, false);
-    let u = gain(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u);
-    let a = gain(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a);
+    let u = Sums::new(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u).gain();
+    if compliance::takes_the_place(term, before, settings)
+        && let Some(mut evidence) = compliance::weigh(form, after, (model, index), u, settings)
+    {
+        evidence.rejection = rejection_of_bristle(form, after, (term, index), &evidence, bar, settings);
+        return evidence;
+    }
+    let a = Sums::new(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a).gain();
     let difference: Vec<f64> = own_u.iter().zip(&own_a).map(|(u, a)| u - a).collect();
     // Side A has no force of its own for a second body. Its gain must be like side U's instead.
     let disagreement = if term.body.is_some() {
@@ -125,26 +133,54 @@ fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: b
     (1.0, a.forces[index].clone())
 }
 
-fn gain(form: &WeakForm<'_>, weights: &[f64], (before, shrink): (&[f64], f64), after: &[f64], own: &[f64]) -> Gain {
-    let n = weights.len();
-    let (mut flat, mut local) = (vec![[0.0; 2]; form.blocks], vec![[0.0; 2]; form.blocks]);
-    let energy = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / n as f64;
-    for (i, row) in form.rows.iter().enumerate() {
-        let (r0, r1) = ((weights[i] * before[i] * shrink).powi(2), (weights[i] * after[i]).powi(2));
-        let e = (own[i] * weights[i]).powi(2) / energy.max(f64::MIN_POSITIVE);
-        flat[row.block][0] += r0;
-        flat[row.block][1] += r1;
-        local[row.block][0] += e * r0;
-        local[row.block][1] += e * r1;
-    }
-    let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
-    let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
-    Gain { flat: nats(&flat), local: nats(&local), z: z(&flat).max(z(&local)) }
+/// Sums of squares in every block, before and after a term: over all rows, and with every row weighted by the term's own
+/// energy.
+pub(super) struct Sums {
+    flat: Vec<[f64; 2]>,
+    local: Vec<[f64; 2]>,
 }
 
-/// z of the blocks' gains.
-fn z(blocks: &[[f64; 2]]) -> f64 {
-    let gains: Vec<f64> = blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect();
+impl Sums {
+    /// The sums of the residuals `before`, times `shrink`, and `after`; `own` is the term's force.
+    pub(super) fn new(
+        form: &WeakForm<'_>,
+        weights: &[f64],
+        (before, shrink): (&[f64], f64),
+        after: &[f64],
+        own: &[f64],
+    ) -> Self {
+        let n = weights.len();
+        let (mut flat, mut local) = (vec![[0.0; 2]; form.blocks], vec![[0.0; 2]; form.blocks]);
+        let energy = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / n as f64;
+        for (i, row) in form.rows.iter().enumerate() {
+            let (r0, r1) = ((weights[i] * before[i] * shrink).powi(2), (weights[i] * after[i]).powi(2));
+            let e = (own[i] * weights[i]).powi(2) / energy.max(f64::MIN_POSITIVE);
+            flat[row.block][0] += r0;
+            flat[row.block][1] += r1;
+            local[row.block][0] += e * r0;
+            local[row.block][1] += e * r1;
+        }
+        Self { flat, local }
+    }
+
+    /// The gains, with z over the differences of the blocks.
+    pub(super) fn gain(&self) -> Gain {
+        let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
+        let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
+        let saved = |blocks: &[[f64; 2]]| z(blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect());
+        let z = saved(&self.flat).max(saved(&self.local));
+        Gain { flat: nats(&self.flat), local: nats(&self.local), z }
+    }
+
+    /// z over the logarithms of the shares that are left of the blocks.
+    pub(super) fn z_of_shares(&self) -> f64 {
+        let shares = self.flat.iter().filter(|b| b[0] > 0.0 && b[1] > 0.0).map(|b| (b[0] / b[1]).ln());
+        z(shares.collect())
+    }
+}
+
+/// z of the blocks' gains: their mean over its standard error; 0 of fewer than four.
+pub(super) fn z(gains: Vec<f64>) -> f64 {
     let n = gains.len() as f64;
     if n < 4.0 {
         return 0.0;
@@ -152,6 +188,39 @@ fn z(blocks: &[[f64; 2]]) -> f64 {
     let mean = gains.iter().sum::<f64>() / n;
     let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
     mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// Why a bristle cannot be named beside a model that does not tell the inertia. Side C has taken the place of side A.
+fn rejection_of_bristle(
+    form: &WeakForm<'_>,
+    after: &Fitted,
+    (term, index): (&Term, usize),
+    evidence: &Evidence,
+    bar: &Bar,
+    settings: &Settings,
+) -> Option<Rejection> {
+    let enough = bar.reached_by(evidence) && evidence.z() >= settings.least_z(term.chosen_of);
+    if !is_physical(form, &after.u, &after.u) {
+        Some(Rejection::Base)
+    } else if !(after.u.amplitudes[index].first().is_some_and(|force| *force > 0.0)) {
+        Some(Rejection::Amplitude)
+    } else if evidence.coherence < settings.coherence {
+        Some(Rejection::Coherence)
+    } else if evidence.disagreement >= settings.disagreement {
+        Some(Rejection::Disagreement(evidence.disagreement))
+    } else if !enough {
+        Some(Rejection::Gain)
+    } else {
+        (floor_ratio(form, after) >= 0.5).then_some(Rejection::Floor)
+    }
+}
+
+/// Whether c and f1 of a side are not below zero by more than three standard errors. Their forces are compared with the
+/// target of side U.
+fn is_physical(form: &WeakForm<'_>, side: &Side, u: &Side) -> bool {
+    let little = -0.01 * rms(&u.target);
+    let [c_error, f1_error] = side.base_errors.map(|error| 3.0 * error);
+    (side.c + c_error) * form.v95 >= little && side.f1 + f1_error >= little
 }
 
 fn rejection(
@@ -163,15 +232,11 @@ fn rejection(
     bar: &Bar,
     settings: &Settings,
 ) -> Option<Rejection> {
-    let scale = rms(&after.u.target);
-    let little = -0.01 * scale;
     for side in [&after.u, &after.a] {
-        let [c_error, f1_error] = side.base_errors.map(|e| 3.0 * e);
         if !(side.b > 0.0 && side.b.is_finite()) {
             return Some(Rejection::Inertia);
         }
-        let physical = (side.c + c_error) * form.v95 >= little && side.f1 + f1_error >= little;
-        if !physical {
+        if !is_physical(form, side, &after.u) {
             return Some(Rejection::Base);
         }
     }
@@ -193,10 +258,8 @@ fn rejection(
     if evidence.disagreement >= settings.disagreement && term.drive.is_none() && !term.replaces_direction {
         return Some(Rejection::Disagreement(evidence.disagreement));
     }
-    let local = if lone_motion { evidence.u.local } else { evidence.local() };
     let z = if lone_motion { evidence.u.z.min(evidence.a.z + 1.0) } else { evidence.z() };
-    let enough = local >= bar.local && evidence.gain() >= bar.flat && z >= settings.least_z(term.chosen_of);
-    if !enough {
+    if !bar.reached_by(evidence) || z < settings.least_z(term.chosen_of) {
         return Some(Rejection::Gain);
     }
     (floor_ratio(form, after) >= 0.5).then_some(Rejection::Floor)

@@ -1,11 +1,13 @@
 //! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
+mod compliance;
 pub mod dataset;
 pub mod direction;
 pub mod evidence;
 pub mod library;
 pub mod reading_age;
 pub mod regression;
+pub mod repetition;
 mod review;
 pub mod ruling;
 pub mod search;

@@ -5,6 +5,7 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::regression::rms;
+use super::repetition::{Repetition, repetition};
 use super::search::{Bearing, Judged, Outcome, Round, Tried, judge};
 use super::settings::Settings;
 use super::start::{self, Errors};
@@ -57,6 +58,8 @@ pub struct Remainder {
     pub bandwidth_hz: f64,
     /// The rms over what the sensor's noise makes of it.
     pub over_noise: f64,
+    /// What of it repeats with the drive, in the windows that named; `None` where no drive repeats.
+    pub repetition: Option<Repetition>,
     /// Largest z over blocks, on the side that tells less, of anything that was tried beside the final model.
     pub significance: f64,
 }
@@ -84,6 +87,8 @@ pub struct Ruling {
     pub half_width_s: f64,
     /// What is left.
     pub remainder: Remainder,
+    /// How many recordings give the names, of how many; `None` where all of them together do.
+    pub of_recordings: Option<[usize; 2]>,
 }
 
 /// Share of the drive below which what is left counts as nothing. A random torque of 1 % of the supply leaves so much,
@@ -101,10 +106,15 @@ impl Ruling {
     pub fn tells_inertia(&self) -> bool {
         self.base.b > 0.0 && self.coherence >= COHERENT
     }
-    /// Whether nothing is missing: little of the drive is left, or little beyond the sensor's noise.
-    pub fn tells_nothing_is_missing(&self) -> bool {
+    /// Whether little is left: of the drive, or beyond the sensor's noise. Where more is left and nothing predicts it, the
+    /// recordings cannot tell whether it is random. Nor can they where only some of them give the names.
+    pub fn leaves_little(&self) -> bool {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
-        self.coherence >= COHERENT && little
+        little && self.of_recordings.is_none()
+    }
+    /// Whether nothing is missing: little is left, and the drive tells the inertia.
+    pub fn tells_nothing_is_missing(&self) -> bool {
+        self.coherence >= COHERENT && self.leaves_little()
     }
     /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
     /// than the sensor makes, and nothing predicts it. They have weighed nothing where they hardly tell the inertia, or
@@ -183,8 +193,12 @@ pub fn rule_from(
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
-        remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
-            .or_else(|| remainder_of(form, own, None))?,
+        of_recordings: None,
+        remainder: Remainder {
+            repetition: repetition(form, &own.fitted.u.residual),
+            ..remainder(&dataset, own, narrowest, predictable.next_back(), settings)
+                .or_else(|| remainder_of(form, own, None))?
+        },
     })
 }
 
@@ -300,6 +314,7 @@ fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) ->
         share,
         bandwidth_hz: bandwidth_hz(form.half_width_s),
         over_noise: left / noise.max(f64::MIN_POSITIVE),
+        repetition: None,
         significance: own.rounds.last().map_or(0.0, significance),
     })
 }

@@ -207,7 +207,7 @@ impl<'a> Stage<'a> {
         let bar = self.bar(&all);
         for tried in &mut all {
             let e = &mut tried.evidence[0];
-            if e.rejection.is_none() && (e.gain() < bar.flat || e.u.local < bar.local) {
+            if e.rejection.is_none() && !bar.reached_by(e) {
                 e.rejection = Some(Rejection::Gain);
             }
         }
@@ -246,11 +246,26 @@ impl<'a> Stage<'a> {
             let terms = Library::new(self.form, &beside, &fitted, &self.weights).partners();
             let pairs =
                 terms.into_par_iter().filter(|t| matches!(t.name, Name::Effect(_)) && t.name != one.terms[0].name);
+            let worth = |term: &Term| self.gains_beside(&beside, &fitted, term, bar);
             all.extend(
-                pairs.filter_map(|term| self.weighed(vec![one.terms[0].clone(), term], bar)).collect::<Vec<_>>(),
+                pairs
+                    .filter(worth)
+                    .filter_map(|term| self.weighed(vec![one.terms[0].clone(), term], bar))
+                    .collect::<Vec<_>>(),
             );
         }
         best_of_each(all, self.settings)
+    }
+
+    /// Whether a term can hold in a pair beside the last term of `beside`. It cannot where it gains far too little there, or
+    /// the motion is not physical with it. That takes one fit; the evidence for the pair takes three.
+    fn gains_beside(&self, beside: &Model, fitted: &Fitted, term: &Term, bar: &Bar) -> bool {
+        let model = beside.with(term);
+        let Some(after) = self.fit(&model) else { return false };
+        let index = model.terms.len() - 1;
+        let evidence = weigh(self.form, &self.weights, fitted, &after, (&model, index), bar, self.settings);
+        let possible = !matches!(evidence.rejection, Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+        possible && evidence.gain() > self.settings.tie * bar.flat
     }
 
     fn round(&self) -> Round {
@@ -313,6 +328,10 @@ fn rank(tried: &Tried) -> f64 {
     }
 }
 
+fn has_body(tried: &Tried) -> bool {
+    tried.terms.iter().any(|term| term.body.is_some())
+}
+
 /// The outcome of a round beside a model that leaves the share `left` of the drive.
 fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
@@ -333,6 +352,8 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let simple = names.iter().filter(|t| t.gain > 0.97 * best.gain).min_by_key(|t| t.size()).unwrap_or(best);
     for other in tried.iter().filter(|t| t.terms.len() == 1) {
         let factor = match other.terms[0].name {
+            // The best damping of a second body decides whether it is a coupling.
+            Name::Decoy(_) if has_body(simple) && other.terms[0].body.is_some() => 1.0,
             Name::Decoy(_) => settings.decoy,
             Name::Effect(_) if other.rejection().is_some() => settings.rival,
             Name::Effect(_) => continue,
@@ -341,7 +362,8 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
         let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
         let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
         if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
-            return Outcome::Unknown(other.terms[0].name);
+            let material = predicted(other.gain) > settings.predictable;
+            return if material { Outcome::Unknown(other.terms[0].name) } else { Outcome::Nothing };
         }
     }
     let mut names: Vec<Name> = Vec::new();

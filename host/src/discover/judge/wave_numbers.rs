@@ -153,11 +153,21 @@ fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> 
     let groups = points.iter().map(|p| p.group).max().map_or(0, |g| g + 1);
     let table: Vec<f64> = (0..=TABLE).map(|i| attenuation(TABLE_TURN * i as f64 / TABLE as f64)).collect();
     let chunks: Vec<usize> = (0..lines).step_by(CHUNK).collect();
+    // The largest wave number at which a point shows a ripple. Those that show the highest come first, so that each line
+    // looks at the points before one, and no wave is turned on in vain.
+    let seen = |p: &Point| {
+        (TABLE_TURN / (p.rate * half_width_s).abs().max(f64::MIN_POSITIVE))
+            .min(FASTEST_TURN / (p.rate * p.h_s).abs().max(f64::MIN_POSITIVE))
+    };
+    let mut points: Vec<(f64, &Point)> = points.iter().map(|p| (seen(p), p)).collect();
+    points.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let points = &points;
     let power = chunks.into_par_iter().flat_map_iter(|from| {
         let to = (from + CHUNK).min(lines);
-        let mut waves: Vec<[f64; 4]> = points
+        let showing = |line: usize| points.partition_point(|(most, _)| *most > line as f64 * spacing);
+        let mut waves: Vec<[f64; 4]> = points[..showing(from)]
             .iter()
-            .map(|p| {
+            .map(|(_, p)| {
                 let (sin, cos) = (from as f64 * spacing * p.at).sin_cos();
                 let (turn_sin, turn_cos) = (spacing * p.at).sin_cos();
                 [sin, cos, turn_sin, turn_cos]
@@ -165,15 +175,11 @@ fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> 
             .collect();
         let mut powers = Vec::with_capacity(to - from);
         for line in from..to {
-            let k = line as f64 * spacing;
+            let turn_of_rate = line as f64 * spacing * half_width_s * (TABLE as f64 / TABLE_TURN);
             let mut sums = vec![[0.0; 5]; groups];
-            for (p, wave) in points.iter().zip(&mut waves) {
-                let turn = (k * p.rate * half_width_s).abs() * (TABLE as f64 / TABLE_TURN);
-                let left = if turn < TABLE as f64 && (k * p.rate * p.h_s).abs() < FASTEST_TURN {
-                    p.weight * table[turn as usize]
-                } else {
-                    0.0
-                };
+            waves.truncate(showing(line));
+            for ((_, p), wave) in points.iter().zip(&mut waves) {
+                let left = p.weight * table[((turn_of_rate * p.rate).abs() as usize).min(TABLE)];
                 add(&mut sums[p.group], left, wave[0], wave[1], p.residual);
                 let [sin, cos, turn_sin, turn_cos] = *wave;
                 wave[0] = sin * turn_cos + cos * turn_sin;
@@ -186,10 +192,11 @@ fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> 
     power.collect()
 }
 
-/// Lines whose waves are turned on in one go; entries of the attenuation's table; and the turn at its end, rad.
+/// Lines whose waves are turned on in one go; entries of the attenuation's table; and the turn at its end, rad. Beyond it
+/// a window passes less than 1 % of a ripple.
 const CHUNK: usize = 256;
 const TABLE: usize = 4096;
-const TABLE_TURN: f64 = 30.0;
+const TABLE_TURN: f64 = 12.0;
 
 #[inline]
 fn add(sum: &mut [f64; 5], left: f64, sin: f64, cos: f64, residual: f64) {

@@ -8,6 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::dataset::{Dataset, Piece};
 use super::direction::sliding;
+use super::regression::dot;
 use super::settings::Settings;
 
 /// A quantity at every sample of every piece.
@@ -54,7 +55,16 @@ impl Kernels {
     #[inline]
     fn at(&self, weights: &[f64], x: &[f64], k: usize) -> f64 {
         let reference = x[k];
-        weights.iter().zip(&x[k - self.half..]).map(|(w, x)| w * (x - reference)).sum()
+        let x = &x[k - self.half..][..weights.len()];
+        let mut sums = [0.0; 4];
+        let (w4, x4) = (weights.chunks_exact(4), x.chunks_exact(4));
+        let rest: f64 = w4.remainder().iter().zip(x4.remainder()).map(|(w, x)| w * (x - reference)).sum();
+        for (w, x) in w4.zip(x4) {
+            for j in 0..4 {
+                sums[j] += w[j] * (x[j] - reference);
+            }
+        }
+        sums.iter().sum::<f64>() + rest
     }
 }
 
@@ -210,7 +220,16 @@ impl<'a> WeakForm<'a> {
         let each = self.rows.iter().map(|row| {
             let kernel = &self.kernels[row.piece];
             let samples = &field[row.piece][row.centre - kernel.half..];
-            kernel.mean.iter().zip(samples).map(|(w, g)| w * g).sum()
+            dot(&kernel.mean, samples)
+        });
+        each.collect()
+    }
+
+    /// First derivative of a quantity in every window, 1/s.
+    pub fn rates(&self, field: &Field) -> Vec<f64> {
+        let each = self.rows.iter().map(|row| {
+            let kernel = &self.kernels[row.piece];
+            kernel.at(&kernel.velocity, &field[row.piece], row.centre)
         });
         each.collect()
     }
@@ -245,6 +264,15 @@ impl<'a> WeakForm<'a> {
                 each.collect()
             })
             .collect()
+    }
+
+    /// Longest way between two positions of a piece, position units.
+    pub fn travel(&self) -> f64 {
+        let way = |piece: &Piece| {
+            let (low, high) = piece.x.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            high - low
+        };
+        self.dataset.pieces.iter().map(way).fold(0.0, f64::max)
     }
 
     /// Share of the noise in the rms of the acceleration.

@@ -4,6 +4,7 @@ use breakaway_core::plant::effect::{ActsIn, Role, Scale, Search};
 use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
 
 use crate::discover::data::Data;
+use crate::discover::judge::library::MOST_DAMPING;
 use crate::discover::screen::stroke;
 use crate::fit::Candidate;
 
@@ -12,9 +13,10 @@ use crate::fit::Candidate;
 const LEAST_OF_A_SAMPLE: f64 = 0.01;
 /// Share of the inertia below which a second body is not believed.
 const LEAST_BODY: f64 = 0.02;
-/// Damping ratio above which a second body is not believed. Less than a tenth of an oscillation is then left after a
-/// period, and the contact of a gap looks like that.
-const MOST_DAMPING: f64 = 0.35;
+
+/// Largest rise of the friction at rest over the Coulomb friction: three times the largest from which a search starts.
+/// Without sliding friction there is nothing to break away from.
+const MOST_RISE: f64 = 10.0;
 
 /// Whether `test` holds for a parameter whose role `is` accepts.
 fn any(effect: &Effect<f64>, is: impl Fn(Role) -> bool, test: impl Fn(f64) -> bool) -> bool {
@@ -26,6 +28,7 @@ fn any(effect: &Effect<f64>, is: impl Fn(Role) -> bool, test: impl Fn(f64) -> bo
 ///
 /// - Dynamics are faster than the solver's steps, or a delay is shorter than the time stamps tell.
 /// - No drive of the recordings overcomes the inertia or the friction. Only the starts then move anything.
+/// - The friction at rest is many times that of sliding.
 /// - Bristles are so long that they never let go. They are a spring, and each segment chooses its rest.
 /// - A second body is so light that only its start is left of it, free in every segment; or its spring is all damper.
 ///
@@ -48,6 +51,9 @@ pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>
     let (base, largest) = (candidate.base, data.problem().largest_base());
     if base.b >= largest.b || base.c >= largest.c || base.f1 >= largest.f1 {
         return Err("its inertia or friction became larger than any drive of the recordings moves".to_owned());
+    }
+    if judged.iter().any(|effect| effect.breakaway() > MOST_RISE * base.f1) {
+        return Err("its friction at rest became many times that of sliding".to_owned());
     }
     let softest = candidate.base.f1 / stroke(data);
     let soft = |effect: &Effect<f64>| {

@@ -96,6 +96,8 @@ fn left(found: &Discovery) -> Option<String> {
     } else if let Some(by) = force.predictable {
         let by = by.replace('_', " ");
         format!("What is left is a force of {share} % of the drive; {by} predicts a part of it.")
+    } else if found.verdict == Verdict::PartlyExplained {
+        format!("What is left is a force of {share} % of the drive; nothing that was tried predicts it.")
     } else {
         format!("What is left is random force of {share} % of the drive.")
     })

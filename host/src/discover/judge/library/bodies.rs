@@ -6,6 +6,9 @@ use super::super::term::{Column, Name, Sign, Term};
 use super::super::weak_form::Field;
 use super::Library;
 
+/// Damping ratio above which a second body is no coupling. Less than a tenth of an oscillation is then left after a
+/// period, as of something that yields, and the contact of a gap looks like that.
+pub const MOST_DAMPING: f64 = 0.35;
 /// Points of the grid of a second body's angular frequencies.
 const BODIES: usize = 27;
 
@@ -22,8 +25,8 @@ impl Library<'_> {
         for i in 0..BODIES - 2 {
             let omega = low * (high / low).powf(i as f64 / (BODIES - 1) as f64);
             for zeta in [0.02, 0.1, 0.3, 0.7, 2.0] {
-                // A body of twice the critical damping does not ring: it is something that yields, and no resonance.
-                let name = if zeta > 1.0 { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
+                let name =
+                    if zeta > MOST_DAMPING { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
                 let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
                 term.u = vec![Column::displacement(self.load(omega, zeta))];
                 term.body = Some([omega, zeta]);

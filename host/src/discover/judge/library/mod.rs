@@ -9,6 +9,8 @@ mod time;
 
 use breakaway_core::plant::Kind;
 
+pub use bodies::MOST_DAMPING;
+
 use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
 use super::weak_form::{Field, Sample, WeakForm, percentile};
@@ -50,10 +52,6 @@ impl<'a> Library<'a> {
     /// Columns beside a fitted model.
     pub fn new(form: &'a WeakForm<'a>, model: &'a Model, fitted: &'a Fitted, weights: &'a Weights) -> Self {
         let pieces = &form.dataset.pieces;
-        let travel = |p: &super::dataset::Piece| {
-            let (low, high) = p.x.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-            high - low
-        };
         Self {
             form,
             model,
@@ -64,7 +62,7 @@ impl<'a> Library<'a> {
             predicted_a: fitted.a.target.iter().zip(&fitted.a.residual).map(|(a, r)| a - r).collect(),
             radians: form.radians,
             ripples: form.ripples,
-            travel: pieces.iter().map(travel).fold(0.0, f64::max),
+            travel: form.travel(),
             largest_drive: percentile(pieces.iter().flat_map(|p| &p.u).map(|u| u.abs()).collect(), 0.98),
             viscous: fitted.u.c.max(0.0),
         }

@@ -71,11 +71,13 @@ impl Library<'_> {
     fn bristle(&self, stroke: f64, stribeck: Option<(f64, f64)>) -> Field {
         let each = self.form.v.iter().zip(&self.form.dataset.pieces).map(|(v, piece)| {
             let mut z = 0.0;
+            let steps = std::iter::once(0.0).chain(piece.x.windows(2).map(|w| w[1] - w[0]));
             v.iter()
-                .map(|v| {
+                .zip(steps)
+                .map(|(v, step)| {
                     let level = stribeck.map_or(1.0, |(vs, rise)| 1.0 + rise * (-(v / vs).powi(2)).exp());
-                    let end = level * v.signum();
-                    z = end + (z - end) * (-v.abs() * piece.h_s / (stroke * level)).exp();
+                    let end = level * step.signum();
+                    z = end + (z - end) * (-step.abs() / (stroke * level)).exp();
                     z
                 })
                 .collect()

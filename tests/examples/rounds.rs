@@ -1,0 +1,152 @@
+//! What the judge weighed, round by round: `cargo run -p breakaway-tests --example rounds -- --machines cicese --splits all`.
+//!
+//! Each line is a term or a pair: its gains on side U and side A (over all rows, and where it acts), z, the disagreement
+//! of the sides, ρ², its parameters, and why it is no name.
+
+use std::slice;
+
+use breakaway::discover::engine::Request;
+use breakaway::discover::judge::dataset::Dataset;
+use breakaway::discover::judge::regression::rms;
+use breakaway::discover::judge::search::{Tried, judge};
+use breakaway::discover::judge::settings::Settings;
+use breakaway::discover::judge::weak_form::WeakForm;
+use breakaway::discover::ruled::{radians, ruled};
+use breakaway::recording::{Recording, in_session_order};
+use breakaway_hidden::Role;
+use breakaway_tests::blind::{self, recordings};
+use breakaway_tests::machines::catalogue::MACHINES;
+use breakaway_tests::machines::reading;
+use breakaway_tests::machines::splits::{splits, taken};
+use breakaway_tests::measured_data;
+use clap::Parser;
+
+#[derive(Parser)]
+struct Asked {
+    /// Machines, by how their names begin
+    #[arg(long, value_delimiter = ',')]
+    machines: Vec<String>,
+    /// Splits, by their names; `all` where none is given
+    #[arg(long, value_delimiter = ',', default_value = "all")]
+    splits: Vec<String>,
+    /// Each recording of the splits alone
+    #[arg(long)]
+    each: bool,
+    /// Half-widths of the windows, s; that of the ruling where none is given
+    #[arg(long, value_delimiter = ',')]
+    half_widths_s: Vec<f64>,
+    /// Sessions of a world with one to three effects of 10 %, or none with `--clean`
+    #[arg(long)]
+    seeds: Option<String>,
+    /// The sessions hide nothing
+    #[arg(long)]
+    clean: bool,
+    /// The sessions' world
+    #[arg(long, default_value = "unkind")]
+    world: String,
+    /// Lines of a round; with 0 the ruling alone
+    #[arg(long, default_value_t = 16)]
+    lines: usize,
+}
+
+fn line(tried: &Tried) -> String {
+    let each = tried.terms.iter().zip(&tried.evidence).map(|(term, e)| {
+        let parameters: Vec<String> = term.parameters.iter().map(|(i, value)| format!("{i}:{value:.3e}")).collect();
+        format!(
+            "{}{} ({}) U {:.3}/{:.3} z {:.1}, A {:.3}/{:.3} z {:.1}, disagree {:.2}, rho2 {:.2}, {:?}",
+            term.name.text(),
+            if term.own_zeros { "*" } else { "" },
+            parameters.join(" "),
+            e.u.flat,
+            e.u.local,
+            e.u.z,
+            e.a.flat,
+            e.a.local,
+            e.a.z,
+            e.disagreement,
+            e.coherence,
+            e.rejection
+        )
+    });
+    format!("{:7.4}  {}", tried.gain, each.collect::<Vec<_>>().join("\n         + "))
+}
+
+/// Requests by their names: of real machines, and of sessions of the unkind world.
+fn requests(asked: &Asked) -> Vec<(String, Request)> {
+    let mut all = Vec::new();
+    let request = |recordings: &[Recording]| Request { recordings: in_session_order(recordings), ..Request::default() };
+    let machines = MACHINES.into_iter().filter(|own| asked.machines.iter().any(|name| own.name.starts_with(name)));
+    for machine in machines {
+        let Some(sources) = measured_data().and_then(|data| reading::read(machine, &data).ok()) else { continue };
+        for split in splits(machine).into_iter().filter(|split| asked.splits.contains(&split.to_string())) {
+            let fit = taken(machine, split, &sources).fit;
+            if asked.each {
+                all.extend(
+                    fit.iter().map(|own| (format!("{} {}", machine.name, own.name), request(slice::from_ref(own)))),
+                );
+            } else {
+                all.push((format!("{} {split}", machine.name), request(&fit)));
+            }
+        }
+    }
+    if let Some(seeds) = &asked.seeds {
+        let option = |name: &str| match name {
+            "seeds" => Some(seeds.clone()),
+            "world" => Some(asked.world.clone()),
+            "drawn" if !asked.clean => Some("1".to_owned()),
+            "effects" if asked.clean => Some("none".to_owned()),
+            _ => None,
+        };
+        let cases = blind::asked::Asked::from_options(option).and_then(|asked| asked.cases());
+        for case in cases.unwrap_or_else(|error| panic!("{error}")) {
+            let (session, truth) = case.generate_with_truth();
+            let hidden: Vec<&str> = truth.effects.iter().map(|effect| effect.hidden.name()).collect();
+            all.push((format!("{} {}", case.seed, hidden.join("+")), request(&recordings(&session, Role::Fit))));
+        }
+    }
+    all
+}
+
+fn main() {
+    let asked = Asked::parse();
+    let settings = Settings::default();
+    for (name, request) in requests(&asked) {
+        let Some(units) = request.recordings.first().map(|recording| recording.units.clone()) else { continue };
+        let own = ruled(&request, &units, &settings);
+        let Some(ruling) = own.ruling else {
+            println!("## {name}: no ruling");
+            continue;
+        };
+        println!(
+            "## {name}: {:?}, base {:?}, age {:?}, remainder {:?}",
+            ruling.findings.iter().map(|finding| finding.effect).collect::<Vec<_>>(),
+            ruling.base,
+            own.age_s,
+            ruling.remainder
+        );
+        if asked.lines == 0 {
+            continue;
+        }
+        let dataset = Dataset::new(&own.request.recordings, &settings);
+        let widths =
+            if asked.half_widths_s.is_empty() { vec![ruling.half_width_s] } else { asked.half_widths_s.clone() };
+        for width in widths {
+            let Some(mut form) = WeakForm::new(&dataset, width, &settings) else { continue };
+            form.radians = radians(&units);
+            let Some(judged) = judge(&form, &settings) else { continue };
+            println!(
+                "# {width} s: {} rows, {} blocks, v95 {:.3e}, noise share {:.3}, drive rms {:.3}",
+                form.rows.len(),
+                form.blocks,
+                form.v95,
+                form.noise_share(),
+                rms(&form.row_u)
+            );
+            println!("  residual U, A: {:?}", judged.residual);
+            for round in &judged.rounds {
+                println!("  {:?}", round.outcome);
+                round.tried.iter().take(asked.lines).for_each(|tried| println!("  {}", line(tried)));
+            }
+        }
+    }
+}
