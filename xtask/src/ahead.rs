@@ -1,4 +1,4 @@
-//! What is begun beside clippy and the build of the host's programs: images, QEMU, Unicorn, and the Pythons. An image is
+//! What is begun beside the build of the host's programs: images, QEMU, Unicorn, and the Pythons. An image is
 //! linked on one core, and a download uses none.
 //!
 //! Each has a step of its own later, which finds it done, or does it again and says why it fails. Output and errors are
@@ -24,7 +24,7 @@ pub struct Taken {
 /// Does all that can be done without the host's programs, until `stopped`. Images are built in other folders of the target
 /// folder than the host's programs, so that neither build waits for the lock of the other.
 pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
-    // The downloads first, as clippy has the processor meanwhile. Of the images the slowest comes first.
+    // The downloads first, as the host's build has the processor meanwhile. Of the images the slowest comes first.
     let fetched: [&dyn Fn() -> Result<PathBuf>; 4] =
         [&qemu::program, &|| emulator::library().map(|()| PathBuf::new()), &rp2350::emulator, &export::python];
     let images = [&cross::NUCLEO, &cross::PICO2, &cross::IMAGE, &cross::INTEGER_TICK, &cross::BUDGET];

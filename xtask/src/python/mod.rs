@@ -10,6 +10,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::cross::target_folder;
 use crate::fleet::environment;
+use crate::lint::linted;
 use crate::report::Tests;
 use crate::run::{cargo, root, run, run_counting, run_within};
 
@@ -51,6 +52,7 @@ pub fn wheel(pythons: &Pythons) -> Result<PathBuf> {
     build.arg("--out").arg(&folder).arg("--interpreter").arg(&pythons.tester).current_dir(root());
     build.env("CARGO", root().join("xtask/src/python/cargo.sh"));
     build.env("BREAKAWAY_CARGO", cargo([""; 0]).get_program());
+    linted(&mut build);
     if env::var_os("CI").is_some() {
         build.env("CARGO_INCREMENTAL", "0");
     }
