@@ -51,7 +51,7 @@ fn steps(report: &mut Report) -> Result<()> {
         result?;
         ahead.join().map_err(|_| anyhow!("what was begun ahead has panicked"))
     })?;
-    report.beside("images, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
+    report.beside("images, page, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
     let (mut qemu, mut missing) = (None, None);
     report.check("image of the virtual board, and QEMU", || {
         image::build(toolchain)?;
