@@ -142,8 +142,8 @@ fn steps(report: &mut Report) -> Result<()> {
 fn host_without_tests(report: &mut Report) -> Result<()> {
     words_interface_licences(report)?;
     report.check("clippy and host programs", host_programs)?;
-    // As its user builds it: without the features that the tests bring. Its lints are those of the step before.
-    report.check("the command with its own features", || run(&mut cargo(["check", "--package", "breakaway"])))
+    // As its user builds it: without the features that the tests bring.
+    report.check("the command with its own features", || run(&mut cargo_linted(["check", "--package", "breakaway"])))
 }
 
 /// All crates with all their features. Each other choice would build the host anew, as it changes the features of
