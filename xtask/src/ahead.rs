@@ -1,4 +1,4 @@
-//! What is begun beside clippy and the build of the host's programs: images, QEMU, Unicorn, and the Pythons. An image is
+//! What is begun beside the build of the host's programs: images, the page, QEMU, Unicorn, and the Pythons. An image is
 //! linked on one core, and a download uses none.
 //!
 //! Each has a step of its own later, which finds it done, or does it again and says why it fails. Output and errors are
@@ -12,7 +12,7 @@ use anyhow::Result;
 
 use crate::cross::{self, Toolchain};
 use crate::run::beside;
-use crate::{emulator, export, processor, qemu, rp2350};
+use crate::{emulator, export, processor, python, qemu, rp2350, web};
 
 /// What it took.
 pub struct Taken {
@@ -24,9 +24,11 @@ pub struct Taken {
 /// Does all that can be done without the host's programs, until `stopped`. Images are built in other folders of the target
 /// folder than the host's programs, so that neither build waits for the lock of the other.
 pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
-    // The downloads first, as clippy has the processor meanwhile. Of the images the slowest comes first.
-    let fetched: [&dyn Fn() -> Result<PathBuf>; 4] =
-        [&qemu::program, &|| emulator::library().map(|()| PathBuf::new()), &rp2350::emulator, &export::python];
+    // The downloads first, as the host's build has the processor meanwhile. Of the images the slowest comes first.
+    let fetched: [&dyn Fn() -> Result<PathBuf>; 5] =
+        [&qemu::program, &|| emulator::library().map(|()| PathBuf::new()), &rp2350::emulator, &export::python, &|| {
+            python::environments().map(|_| PathBuf::new())
+        }];
     let images = [&cross::NUCLEO, &cross::PICO2, &cross::IMAGE, &cross::INTEGER_TICK, &cross::BUDGET];
     let builds = images.into_iter().chain(cross::BUILDS.map(|(_, build)| build));
     let start = Instant::now();
@@ -37,6 +39,9 @@ pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
         }
         for build in builds.take_while(|_| go_on()) {
             let _ = cross::build(toolchain, build);
+        }
+        if go_on() {
+            let _ = web::compile();
         }
     });
     Taken { time: start.elapsed(), processor_s: processor::time_beside_s() }

@@ -12,6 +12,7 @@ use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
 use crate::image;
+use crate::lint::cargo_linted;
 use crate::python;
 use crate::qemu;
 use crate::report::Report;
@@ -50,7 +51,7 @@ fn steps(report: &mut Report) -> Result<()> {
         result?;
         ahead.join().map_err(|_| anyhow!("what was begun ahead has panicked"))
     })?;
-    report.beside("images, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
+    report.beside("images, page, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
     let (mut qemu, mut missing) = (None, None);
     report.check("image of the virtual board, and QEMU", || {
         image::build(toolchain)?;
@@ -129,7 +130,8 @@ fn steps(report: &mut Report) -> Result<()> {
         Some(Err(error)) => report.not_run(format!("the Python package: {error:#}")),
         None => (),
     }
-    report.tests("documentation tests", || run_counting(cargo(["test", "--doc", "--no-fail-fast"]).args(TESTED)))?;
+    report
+        .tests("documentation tests", || run_counting(cargo_linted(["test", "--doc", "--no-fail-fast"]).args(ALL)))?;
     for (title, build) in cross::BUILDS {
         report.check(title, || cross::build(toolchain, build))?;
     }
@@ -138,36 +140,32 @@ fn steps(report: &mut Report) -> Result<()> {
 
 /// What needs nothing but the host's toolchain.
 fn host_without_tests(report: &mut Report) -> Result<()> {
-    report.check("clippy", || {
-        run(&mut cargo(["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"]))?;
-        // As its user builds it: without the features that the tests bring.
-        run(&mut cargo(["clippy", "--package", "breakaway", "--", "-D", "warnings"]))
-    })?;
     words_interface_licences(report)?;
-    report.check("host programs", host_programs)
+    report.check("clippy and host programs", host_programs)?;
+    // As its user builds it: without the features that the tests bring.
+    report.check("the command with its own features", || run(&mut cargo_linted(["check", "--package", "breakaway"])))
 }
 
-/// What the tests are of. Of the examples, the benches and what they are compared with, clippy has seen that they compile; there are
-/// no tests in them.
-const TESTED: [&str; 4] = ["--workspace", "--exclude", "breakaway-bench", "--all-features"];
+/// All crates with all their features. Each other choice would build the host anew, as it changes the features of
+/// dependencies that are shared.
+const ALL: [&str; 2] = ["--workspace", "--all-features"];
 
-/// The tests' programs, the libraries that Python loads, and what measures the board's ticks. One build with one set of features: each other set would build the host
-/// anew.
+/// The one build of the host, with clippy as the compiler: tests, programs, the library that Python loads, examples and benches.
 fn host_programs() -> Result<()> {
-    run(cargo(["build"]).args(TESTED).args(["--lib", "--tests", "--bin", budget::TICKS]))
+    run(cargo_linted(["build", "--all-targets"]).args(ALL))
 }
 
 /// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
 /// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
 fn host_tests(programs: [(&str, bool); 4]) -> Command {
     if !succeeds(&mut cargo(["nextest", "--version"])) {
-        let mut command = cargo(["test", "--tests", "--no-fail-fast"]);
-        command.args(TESTED);
+        let mut command = cargo_linted(["test", "--tests", "--no-fail-fast"]);
+        command.args(ALL);
         return command;
     }
-    let mut command = cargo(["nextest", "run", "--tests", "--no-fail-fast"]);
+    let mut command = cargo_linted(["nextest", "run", "--tests", "--no-fail-fast"]);
     // What passed is counted and its time read, not shown.
-    command.args(TESTED).args(["--status-level", "pass", "--color", "never"]);
+    command.args(ALL).args(["--status-level", "pass", "--color", "never"]);
     let left_out = programs.into_iter().filter(|(_, there)| !there);
     let left_out: Vec<String> = left_out.map(|(program, _)| format!("not binary({program})")).collect();
     if !left_out.is_empty() {

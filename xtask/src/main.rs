@@ -15,6 +15,7 @@ mod export;
 mod fleet;
 mod fuzz;
 mod image;
+mod lint;
 mod logs;
 mod loops;
 mod miri;

@@ -18,11 +18,16 @@ use crate::report::Tests;
 pub fn cargo<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(args).current_dir(root());
-    // In CI nothing is built a second time: what a second build would take up need not be kept.
     if env::var_os("CI").is_some() {
-        command.env("CARGO_INCREMENTAL", "0");
+        once(&mut command);
     }
     command
+}
+
+/// In CI nothing is built a second time: what a second build would take up need not be kept. Nobody debugs there either, and a
+/// panic names its line by itself.
+pub fn once(command: &mut Command) {
+    command.env("CARGO_INCREMENTAL", "0").env("CARGO_PROFILE_DEV_DEBUG", "0");
 }
 
 /// The root of the workspace.

@@ -14,17 +14,22 @@ const PROFILE: &str = "wasm";
 /// What is not made, but written by hand.
 const WRITTEN: [&str; 4] = ["index.html", "page.js", "style.css", "worker.js"];
 
-/// Builds the page.
-pub fn build() -> Result<()> {
+/// Compiles what the browser runs; its file.
+pub fn compile() -> Result<PathBuf> {
     cross::install_wasm()?;
     run(&mut cargo(["build", "--package", "breakaway-web", "--target", cross::WASM, "--profile", PROFILE]))?;
+    Ok(target_folder().join(cross::WASM).join(PROFILE).join("breakaway_web.wasm"))
+}
+
+/// Builds the page.
+pub fn build() -> Result<()> {
+    let wasm = compile()?;
     let folder = folder();
     if folder.exists() {
         // What is left of an earlier build would be handed out with it.
         fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
     }
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    let wasm = target_folder().join(cross::WASM).join(PROFILE).join("breakaway_web.wasm");
     let mut bind = cargo(["run", "--quiet", "--locked", "--manifest-path", "web/bind/Cargo.toml", "--target-dir"]);
     // A workspace of its own, so that nothing else waits for it to be built.
     run(bind.arg(target_folder().join("bind")).arg("--").arg(&wasm).arg(&folder))?;

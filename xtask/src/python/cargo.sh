@@ -2,6 +2,6 @@
 # The cargo that maturin calls (by the variable CARGO): it builds the extension module among the whole workspace, as the
 # tests are built. By itself it would have other features in the crates that all share, and these would be built twice.
 case "$1" in
-rustc) exec "$BREAKAWAY_CARGO" build --workspace --exclude breakaway-bench --all-features --lib --tests --message-format json-render-diagnostics ;;
+rustc) exec "$BREAKAWAY_CARGO" build --workspace --all-features --lib --tests --message-format json-render-diagnostics ;;
 *) exec "$BREAKAWAY_CARGO" "$@" ;;
 esac

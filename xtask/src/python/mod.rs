@@ -10,8 +10,9 @@ use anyhow::{Context, Result, ensure};
 
 use crate::cross::target_folder;
 use crate::fleet::environment;
+use crate::lint::linted;
 use crate::report::Tests;
-use crate::run::{cargo, root, run, run_counting, run_within};
+use crate::run::{cargo, once, root, run, run_counting, run_within};
 
 /// A wheel that is here takes a second to install; what takes five minutes has hung.
 const INSTALL: Duration = Duration::from_secs(300);
@@ -51,8 +52,9 @@ pub fn wheel(pythons: &Pythons) -> Result<PathBuf> {
     build.arg("--out").arg(&folder).arg("--interpreter").arg(&pythons.tester).current_dir(root());
     build.env("CARGO", root().join("xtask/src/python/cargo.sh"));
     build.env("BREAKAWAY_CARGO", cargo([""; 0]).get_program());
+    linted(&mut build);
     if env::var_os("CI").is_some() {
-        build.env("CARGO_INCREMENTAL", "0");
+        once(&mut build);
     }
     run(&mut build)?;
     let mut wheels: Vec<PathBuf> = fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path())).collect();
