@@ -30,6 +30,9 @@ const RESOLVED_LINES: f64 = 4.0;
 const MOST_ERROR: f64 = 0.1;
 /// And with a coherence that chance reaches once in so many frequencies.
 const CHANCE: f64 = 0.01;
+/// And if so large a share of the frequencies within a sixth of an octave is coherent too: a multisine has gaps.
+const LEAST_NEIGHBOURS: f64 = 1.0 / 3.0;
+const NEIGHBOURHOOD_OCTAVES: f64 = 1.0 / 6.0;
 
 /// A number with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]

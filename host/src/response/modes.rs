@@ -7,14 +7,14 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::rational::{Rational, Value, fit};
+use super::rational::{Datum, Rational, fit};
 use super::spectra::Spectra;
 use super::{Estimate, Mode, Point};
 
 /// Largest degree that is tried: a rigid axis and two modes.
 const LARGEST_DEGREE: usize = 5;
-/// A larger degree must leave less than this share of the misfit.
-const WORTH_A_DEGREE: f64 = 0.5;
+/// Each degree must make the misfit smaller by this factor.
+const WORTH_A_DEGREE: f64 = 2.0;
 /// Errors that no average shows, as a share of the gain: what the window smears.
 const SMEARED: f64 = 0.02;
 /// Frequencies of the fit, as a share of the sampling rate. Above it converters and currents add what no axis has.
@@ -30,7 +30,7 @@ const MOST_DAMPING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// A pole and a zero nearer to each other than this, as a share, take each other away.
 const CANCELLED: f64 = 0.03;
 /// Largest standard error of a mode's frequency, as a share.
-const MOST_FREQUENCY_ERROR: f64 = 0.2;
+const MOST_FREQUENCY_ERROR: f64 = 0.1;
 
 /// What was found.
 #[derive(Debug, Default)]
@@ -84,24 +84,24 @@ pub(super) fn find(spectra: &Spectra) -> Found {
     }
 }
 
-/// The smallest degree beyond which the misfit does not halve, with its delay.
-fn choose(values: &[Value], interval_s: f64) -> Option<(usize, f64, Rational)> {
-    let mut best: Option<(usize, f64, Rational)> = None;
-    for degree in 1..=LARGEST_DEGREE {
-        let Some((delay_s, own)) = delayed(values, degree, interval_s) else { continue };
-        if best.as_ref().is_none_or(|(_, _, best)| best.misfit > 1.0 && own.misfit < WORTH_A_DEGREE * best.misfit) {
-            best = Some((degree, delay_s, own));
-        }
-    }
-    best
+/// The degree that is worth its unknowns, with its delay. A misfit below 1 is noise.
+fn choose(values: &[Datum], interval_s: f64) -> Option<(usize, f64, Rational)> {
+    (1..=LARGEST_DEGREE)
+        .filter_map(|degree| {
+            let (delay_s, own) = delayed(values, degree, interval_s)?;
+            let price = own.misfit.max(1.0) * WORTH_A_DEGREE.powi(degree as i32);
+            Some((price, (degree, delay_s, own)))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, chosen)| chosen)
 }
 
 /// The function of `degree` with the delay that fits best.
-fn delayed(values: &[Value], degree: usize, interval_s: f64) -> Option<(f64, Rational)> {
+fn delayed(values: &[Datum], degree: usize, interval_s: f64) -> Option<(f64, Rational)> {
     let of = |delay_s: f64| {
-        let ahead: Vec<Value> = values
+        let ahead: Vec<Datum> = values
             .iter()
-            .map(|own| Value { value: own.value * Complex::from_polar(1.0, own.omega_rad_s * delay_s), ..*own })
+            .map(|own| Datum { value: own.value * Complex::from_polar(1.0, own.omega_rad_s * delay_s), ..*own })
             .collect();
         fit(&ahead, degree)
     };
@@ -123,15 +123,15 @@ fn delayed(values: &[Value], degree: usize, interval_s: f64) -> Option<(f64, Rat
 
 /// Accelerations over the drive at the coherent frequencies, so many in an octave; none where they are too few. Each octave
 /// has the same weight.
-fn accelerations(points: &[Point], interval_s: f64) -> Vec<Value> {
+fn accelerations(points: &[Point], interval_s: f64) -> Vec<Datum> {
     let fitted = points.iter().filter(|point| point.coherent && point.frequency_hz <= HIGHEST_FITTED / interval_s);
-    let mut values: Vec<Value> = Vec::new();
-    let mut bin: Vec<Value> = Vec::new();
+    let mut values: Vec<Datum> = Vec::new();
+    let mut bin: Vec<Datum> = Vec::new();
     for point in fitted {
         let omega_rad_s = TAU * point.frequency_hz;
         let factor = -omega_rad_s * omega_rad_s;
         let value = point.response * factor;
-        let own = Value { omega_rad_s, value, se: (point.gain_se * factor).abs(), weight: 1.0 };
+        let own = Datum { omega_rad_s, value, se: (point.gain_se * factor).abs(), weight: 1.0 };
         if bin.first().is_some_and(|first| (omega_rad_s / first.omega_rad_s).log2() > PER_OCTAVE.recip()) {
             values.extend(mean(&bin));
             bin.clear();
@@ -152,12 +152,12 @@ fn accelerations(points: &[Point], interval_s: f64) -> Vec<Value> {
 }
 
 /// Mean of values next to each other.
-fn mean(bin: &[Value]) -> Option<Value> {
+fn mean(bin: &[Datum]) -> Option<Datum> {
     let count = bin.len() as f64;
     let sum: Complex<f64> = bin.iter().map(|value| value.value).sum();
     let se = bin.iter().map(|value| value.se.powi(2)).sum::<f64>().sqrt() / count;
     let omega_rad_s = bin.iter().map(|value| value.omega_rad_s).sum::<f64>() / count;
-    (!bin.is_empty()).then(|| Value { omega_rad_s, value: sum / count, se, weight: 1.0 })
+    (!bin.is_empty()).then(|| Datum { omega_rad_s, value: sum / count, se, weight: 1.0 })
 }
 
 fn damping(root: Complex<f64>) -> f64 {

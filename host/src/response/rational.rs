@@ -10,9 +10,9 @@ const ITERATIONS: usize = 20;
 /// Change of the misfit at which the iteration has ended, as a share.
 const SETTLED: f64 = 1e-6;
 
-/// A value of the response to fit.
+/// A value of the response, to fit to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Value {
+pub(super) struct Datum {
     /// Angular frequency, rad/s.
     pub(super) omega_rad_s: f64,
     /// The value.
@@ -35,7 +35,7 @@ pub(super) struct Rational {
 }
 
 /// Fits a function of `degree`; `None` where the values do not determine it.
-pub(super) fn fit(values: &[Value], degree: usize) -> Option<Rational> {
+pub(super) fn fit(values: &[Datum], degree: usize) -> Option<Rational> {
     let unknowns = 2 * degree + 1;
     let (first, last) = (values.first()?, values.last()?);
     if 2 * values.len() <= unknowns {
@@ -65,11 +65,11 @@ pub(super) fn fit(values: &[Value], degree: usize) -> Option<Rational> {
                 matrix[(2 * row, column)] = entry.re * weight;
                 matrix[(2 * row + 1, column)] = entry.im * weight;
             };
-            for power in 0..degree {
-                set(power, value.value * powers[power]);
-            }
-            for power in 0..=degree {
-                set(degree + power, -powers[power]);
+            for (column, power) in powers.iter().enumerate() {
+                if column < degree {
+                    set(column, value.value * power);
+                }
+                set(degree + column, -power);
             }
             let given = -value.value * powers[degree] * weight;
             right[2 * row] = given.re;

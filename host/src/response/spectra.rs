@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use rustfft::{Fft, FftPlanner};
 
 use super::even::{Even, Piece};
-use super::{CHANCE, HIGHEST, MOST_ERROR, Point, SPREAD_LINES};
+use super::{CHANCE, HIGHEST, LEAST_NEIGHBOURS, MOST_ERROR, NEIGHBOURHOOD_OCTAVES, Point, SPREAD_LINES};
 
 /// Groups of segments for the jackknife.
 pub(super) const GROUPS: usize = 8;
@@ -113,7 +113,6 @@ impl Spectra {
         let segments = INDEPENDENT * kept().map(|group| group.segments).sum::<usize>() as f64;
         // A coherence of unrelated signals exceeds this with the probability CHANCE (Carter, Knapp and Nuttall 1973).
         let by_chance = if segments > 1.0 { 1.0 - CHANCE.powf((segments - 1.0).recip()) } else { 1.0 };
-        let mut phase_rad: Option<f64> = None;
         for line in SPREAD_LINES..=(HIGHEST * self.length as f64) as usize {
             let drive: f64 = kept().map(|group| group.drive[line]).sum();
             let motion: f64 = kept().map(|group| group.motion[line]).sum();
@@ -125,25 +124,46 @@ impl Spectra {
             let held = Complex::from_polar((PI * turn).sin() / (PI * turn), -PI * turn);
             let response = cross / drive * to_position / held;
             let share = ((1.0 - coherence) / (2.0 * segments * coherence)).sqrt();
-            let coherent = share <= MOST_ERROR && coherence > by_chance;
-            if !response.is_finite() {
-                continue;
+            if response.is_finite() {
+                points.push(Point {
+                    frequency_hz: turn / self.interval_s,
+                    response,
+                    gain_se: share * response.norm(),
+                    phase_rad: response.arg(),
+                    coherence,
+                    coherent: share <= MOST_ERROR && coherence > by_chance,
+                });
             }
-            let own = response.arg();
-            let continued = phase_rad.map_or(own, |before| own + TAU * ((before - own) / TAU).round());
-            if coherent {
-                phase_rad = Some(continued);
-            }
-            points.push(Point {
-                frequency_hz: turn / self.interval_s,
-                response,
-                gain_se: share * response.norm(),
-                phase_rad: continued,
-                coherence,
-                coherent,
-            });
         }
+        without_strays(&mut points);
+        continue_phase(&mut points);
         points
+    }
+}
+
+/// Takes the coherence from frequencies that are nearly alone with it: chance, or what a controller makes of the sensor's steps.
+fn without_strays(points: &mut [Point]) {
+    let coherent: Vec<bool> = points.iter().map(|point| point.coherent).collect();
+    let near = NEIGHBOURHOOD_OCTAVES.exp2();
+    for k in 0..points.len() {
+        let frequency_hz = points[k].frequency_hz;
+        let from = points.partition_point(|other| other.frequency_hz < frequency_hz / near).min(k.saturating_sub(2));
+        let to = points.partition_point(|other| other.frequency_hz <= frequency_hz * near).max(k + 3).min(points.len());
+        let there = coherent[from..to].iter().filter(|coherent| **coherent).count();
+        points[k].coherent = coherent[k] && there as f64 >= LEAST_NEIGHBOURS * (to - from) as f64;
+    }
+}
+
+/// Turns each phase by whole turns to that of the coherent frequency before it.
+fn continue_phase(points: &mut [Point]) {
+    let mut before_rad: Option<f64> = None;
+    for point in points {
+        if let Some(before_rad) = before_rad {
+            point.phase_rad += TAU * ((before_rad - point.phase_rad) / TAU).round();
+        }
+        if point.coherent {
+            before_rad = Some(point.phase_rad);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `breakaway look`, and the logs that it and every other command read. The logs are the seeds of fuzz/corpus/log: 24 rows of
 //! a made-up relay, written by the formats' own packages (tests/logs/write_logs.py).
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -185,8 +186,8 @@ fn frames_of_can_are_read_by_their_description() {
     for ((t, u), x) in first.t.iter().zip(&first.u).zip(&first.x) {
         for (id, value) in [(9, x), (28, u)] {
             let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
-            candump += &format!("({:.6}) can0 {id:03X}#{}\n", 1000.0 + t, bytes.concat());
-            savvycan += &format!("{:.0},{id:08X},false,Rx,0,8,{},\n", 1e6 * t, bytes.join(","));
+            writeln!(candump, "({:.6}) can0 {id:03X}#{}", 1000.0 + t, bytes.concat()).unwrap();
+            writeln!(savvycan, "{:.0},{id:08X},false,Rx,0,8,{},", 1e6 * t, bytes.join(",")).unwrap();
         }
     }
     for (name, log) in [("frames.log", candump), ("frames.csv", savvycan)] {

@@ -27,6 +27,13 @@ struct Frame {
     bytes: Vec<u8>,
 }
 
+/// What a line holds.
+enum Line {
+    Frame(Frame),
+    /// A frame without data: a request, or an error of the bus.
+    NoData,
+}
+
 /// Whether a file begins as one of these logs does.
 pub(super) fn begins(head: &[u8]) -> bool {
     if head.starts_with(SAVVYCAN) {
@@ -57,14 +64,13 @@ pub(super) fn read(bytes: &[u8], dbc: Option<&Dbc>) -> Result<Log, Fault> {
             continue;
         }
         match frame_of(text) {
-            Some(Some(frame)) => match messages.get(&frame.id) {
+            Some(Line::Frame(frame)) => match messages.get(&frame.id) {
                 Some(message) => add(&mut gather, &mut groups, &frame, message)?,
                 None => {
                     unknown.insert(frame.id);
                 }
             },
-            // A frame without data: a request, or an error of the bus.
-            Some(None) => {}
+            Some(Line::NoData) => {}
             // The logger was stopped in the middle of a line.
             None if at == bytes.len() && began > 0 => torn_at = Some(began as u64),
             None => return Err(Fault::Damaged { at: began as u64, what: "a line that is no frame" }),
@@ -102,34 +108,31 @@ fn add(
     Ok(())
 }
 
-/// A line of `candump -L`, `(1436509052.249713) can0 044#2A366C2BBA`, or of `candump -ta`. `Some(None)` is a frame without
-/// data, and `None` no frame.
-fn candump_frame(line: &str) -> Option<Option<Frame>> {
+/// A line of `candump -L`, such as `(1436509052.249713) can0 044#2A366C2BBA`, or of `candump -ta`; `None` is no
+/// frame.
+fn candump_frame(line: &str) -> Option<Line> {
     let (stamp, rest) = line.strip_prefix('(')?.split_once(')')?;
     let stamp_s = stamp.parse::<f64>().ok().filter(|stamp| stamp.is_finite())?;
     let mut words = rest.split_whitespace();
     let (_bus, frame) = (words.next()?, words.next()?);
-    let (id, digits) = match frame.split_once('#') {
+    let (id, digits) = if let Some((id, data)) = frame.split_once('#') {
         // A second `#` and a digit of flags: CAN FD.
-        Some((id, data)) => {
-            (id, data.strip_prefix('#').map_or(data, |data| data.get(1..).unwrap_or_default()).to_owned())
-        }
-        None => {
-            words.next()?.strip_prefix('[')?;
-            (frame, words.take_while(|word| word.len() == 2).collect())
-        }
+        (id, data.strip_prefix('#').map_or(data, |data| data.get(1..).unwrap_or_default()).to_owned())
+    } else {
+        words.next()?.strip_prefix('[')?;
+        (frame, words.take_while(|word| word.len() == 2).collect())
     };
     let number = u32::from_str_radix(id, 16).ok()?;
     let id = if id.len() > 3 { number | EXTENDED } else { number };
     if digits.starts_with('R') || number > 0x1FFF_FFFF {
-        return Some(None);
+        return Some(Line::NoData);
     }
     let bytes = hexadecimal(&digits)?;
-    Some(Some(Frame { stamp_s, id, bytes }))
+    Some(Line::Frame(Frame { stamp_s, id, bytes }))
 }
 
 /// A line of SavvyCAN's CSV: `166064000,0000021A,false,Rx,0,8,FE,36,12,FE,69,05,07,AD,`.
-fn savvycan_frame(line: &str) -> Option<Option<Frame>> {
+fn savvycan_frame(line: &str) -> Option<Line> {
     let mut fields = line.split(',').map(str::trim);
     let stamp_us = fields.next()?.parse::<f64>().ok().filter(|stamp| stamp.is_finite())?;
     let number = u32::from_str_radix(fields.next()?, 16).ok()?;
@@ -139,7 +142,7 @@ fn savvycan_frame(line: &str) -> Option<Option<Frame>> {
     let length: usize = fields.next()?.parse().ok()?;
     let digits: String = fields.by_ref().take(length.min(MAX_BYTES)).collect();
     let bytes = hexadecimal(&digits).filter(|bytes| bytes.len() == length)?;
-    Some(Some(Frame { stamp_s: stamp_us / 1e6, id, bytes }))
+    Some(Line::Frame(Frame { stamp_s: stamp_us / 1e6, id, bytes }))
 }
 
 /// Bytes of pairs of digits; `None` where they are no pairs, or too many.
@@ -201,6 +204,35 @@ SIG_VALTYPE_ 9 velocity : 1;
         assert_eq!((numbers(&same, "encoder/position"), numbers(&same, "current/iq")), (vec![1.5], vec![-0.5]));
         let wide = " (1700000000.0005)  can0  009   [8]  00 00 C0 3F 00 00 00 C0   '...?....'\n";
         assert_eq!(numbers(&read(wide.as_bytes(), Some(&dbc)).unwrap(), "position"), [1.5]);
+    }
+
+    /// A log or a description with any byte changed is read or refused, and every channel has its rows.
+    #[test]
+    fn damaged_frames_and_descriptions_are_read_or_refused() {
+        let log = "(1.000500) can0 009#0000C03F000000C0\n(1.001000) can0 00000112#020FFD\n";
+        let mut read_at_all = 0;
+        let changed = |text: &str, at: usize, byte: u8| {
+            let mut bytes = text.as_bytes().to_vec();
+            bytes[at] = byte;
+            bytes
+        };
+        let dbc = Dbc::try_from(DBC).unwrap();
+        let logs = (0..log.len()).flat_map(|at| b"\0\n#(9R\xff".map(|byte| (changed(log, at, byte), None)));
+        let described = (0..DBC.len()).flat_map(|at| {
+            b"\0 9-|".map(|byte| String::from_utf8(changed(DBC, at, byte)).ok()).into_iter().flatten().filter_map(
+                |text| {
+                    let dbc = super::super::guard::guarded(|| Dbc::try_from(text.as_str()).ok()).flatten()?;
+                    Some((log.as_bytes().to_vec(), Some(dbc)))
+                },
+            )
+        });
+        for (bytes, other) in logs.chain(described) {
+            if let Ok(log) = read(&bytes, Some(other.as_ref().unwrap_or(&dbc))) {
+                read_at_all += 1;
+                assert!(log.groups.iter().all(|group| group.channels.iter().all(|c| c.values.len() == group.rows())));
+            }
+        }
+        assert!(read_at_all > 100, "{read_at_all}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use can_dbc::{ByteOrder, Dbc, MultiplexIndicator, Signal, SignalExtendedValueType, ValueType};
 
+use super::guard::guarded;
 use crate::file::shown;
 use crate::recording::error::LogError;
 
@@ -36,9 +37,10 @@ pub(in crate::recording) fn read(path: &Path) -> Result<Dbc, LogError> {
     }
     let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
     // Units of older files are in Latin-1: their signs are lost, and nothing else.
-    Dbc::try_from(String::from_utf8_lossy(&bytes).as_ref()).map_err(|error| {
-        let text = error.to_string();
-        refused(text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "))
+    let text = String::from_utf8_lossy(&bytes);
+    let parsed = guarded(|| Dbc::try_from(text.as_ref()).map_err(|error| error.to_string()));
+    parsed.unwrap_or_else(|| Err("it is damaged".to_owned())).map_err(|error| {
+        refused(error.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "))
     })
 }
 

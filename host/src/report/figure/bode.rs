@@ -50,7 +50,9 @@ pub fn bode(width: f64, reading: &Reading<'_>) -> Sheet {
     for (i, (quantity, unit, values, height, y)) in panels.into_iter().enumerate() {
         let panel = Panel { left, top, width: width - left - right, height, x, y };
         sheet.columns.push(Column::new((quantity, unit), "", values));
-        panel.plot(&mut sheet, ("frequency", "Hz"), (quantity, unit), i == 2, |sheet| {
+        // On a logarithmic axis each label would carry the unit, and that of a gain is long.
+        let labelled = if i == 0 { (format!("{quantity} ({unit})"), "") } else { (quantity.to_owned(), unit) };
+        panel.plot(&mut sheet, ("frequency", "Hz"), (&labelled.0, labelled.1), i == 2, |sheet| {
             for (_, class, frequencies) in kinds {
                 for frequency in frequencies {
                     let at = panel.px(*frequency);
