@@ -1,7 +1,7 @@
 //! A rational function of s, fitted to a frequency response.
 //!
-//! N(s)/D(s), both of degree n, by the iteration of Sanathanan and Koerner (1963): the linear problem A·D = N is weighted by
-//! the last D, so that its residual becomes that of A − N/D.
+//! N(s)/D(s), both of degree n, by the iteration of Sanathanan and Koerner (1963). The linear problem A·D = N is weighted by
+//! the last D. So its residual becomes that of A − N/D.
 
 use nalgebra::{Complex, DMatrix, DVector};
 

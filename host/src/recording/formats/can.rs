@@ -158,8 +158,8 @@ fn hexadecimal(digits: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// Position and velocity of an ODrive as floats, a current as a signed number of 12 bits of the other byte order, and a
-    /// signal that is there only where the first byte is 2.
+    /// Position and velocity of an ODrive as floats. Then a current as a signed number of 12 bits of the other byte order,
+    /// which is there only where the first byte is 2.
     const DBC: &str = r#"VERSION ""
 
 NS_ :

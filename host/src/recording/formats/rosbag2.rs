@@ -1,6 +1,6 @@
 //! Bags of ROS 2 in SQLite: a table of topics, one of messages in CDR, and since ROS 2 Iron one of definitions.
 //!
-//! SQLite itself reads the file, from memory. Only its two or three tables are asked, and only if they are plain tables: a view
+//! SQLite itself reads the file, from memory. Only its two or three tables are asked, and only if they are plain tables. A view
 //! or a virtual table would run what the file says.
 
 use std::collections::HashMap;

@@ -50,6 +50,11 @@ impl Files {
                 files.reads.clone_from(&a.files);
                 files.writes = target(&a.figure);
             }
+            CliCommand::Bode(a) => {
+                files.reads.clone_from(&a.recordings);
+                files.reads.extend(a.columns.dbc.clone());
+                files.writes = target(&a.figure);
+            }
             CliCommand::Sinefit(a) => {
                 files.reads.push(a.recording.clone());
                 files.writes = some(&a.figures.figures);
