@@ -20,5 +20,7 @@ pub mod models;
 pub mod nearest;
 pub mod recording;
 pub mod report;
+#[cfg(feature = "command")]
+pub mod response;
 pub mod simulate;
 pub mod sine;

@@ -38,8 +38,9 @@ def read(
     where: Union[str, Iterable[str], Mapping[str, Any], None] = None,
     from_s: Optional[float] = None,
     to_s: Optional[float] = None,
+    dbc: Union[str, "os.PathLike[str]", None] = None,
 ) -> Recording:
-    """Reads a recording: CSV, or a log in MCAP, WPILOG, ULog, npz, MAT or Parquet.
+    """Reads a recording: CSV, or a log in MCAP, WPILOG, ULog, npz, MAT, Parquet, of ROS 2, or of CAN frames.
 
     The keywords are the flags of the command ``breakaway identify``.
 
@@ -55,6 +56,7 @@ def read(
     :param where: only rows whose column has this value: ``"mode=2"``, several of them, or ``{"mode": 2}``.
     :param from_s: only rows from this time on, s by the file's clock.
     :param to_s: only rows up to this time, s.
+    :param dbc: the file in DBC that describes the frames of a CAN log.
     :raises RecordingError: with file, line and column.
     :raises FileError: a file that cannot be read, or is no recording.
     """
@@ -71,6 +73,7 @@ def read(
         "where": where,
         "from_s": from_s,
         "to_s": to_s,
+        "dbc": dbc,
     }
     return recordings(os.fspath(path), given)[0]
 

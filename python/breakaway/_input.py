@@ -11,10 +11,10 @@ from . import _native
 from ._errors import ArrayError, UsageError
 
 #: A file, a recording that was read, or the arrays (t, u, x) or (t, u, x, current).
-Source = Union[str, "os.PathLike[str]", _native.Recording, tuple]
+Source = Union[str, "os.PathLike[str]", _native.Recording, "tuple[Any, ...]"]
 
 #: Keywords that say which columns and rows of a file are meant.
-OF_FILES = ("time", "input", "position", "current", "where")
+OF_FILES = ("time", "input", "position", "current", "where", "dbc")
 #: Keywords that files and arrays have in common.
 OF_BOTH = ("time_unit", "fs", "encoder_step", "wrap", "counts_per_turn", "from_s", "to_s")
 
@@ -30,7 +30,7 @@ def column(name: str, values: Any) -> np.ndarray:
     if array.ndim != 1:
         raise ArrayError(f"`{name}` has the shape {array.shape}; a column has one dimension, a number per sample")
     if isinstance(array, np.ma.MaskedArray):
-        array = array.astype(np.float64).filled(np.nan)
+        array = np.ma.filled(array.astype(np.float64), np.nan)
     return np.asarray(array, dtype=np.float64)
 
 
@@ -56,6 +56,8 @@ def options(given: Mapping[str, Any]) -> dict[str, Any]:
     elif isinstance(where, Mapping):
         where = [f"{name}={value}" for name, value in where.items()]
     taken["select"] = list(where)
+    if taken["dbc"] is not None:
+        taken["dbc"] = os.fspath(taken["dbc"])
     if taken["wrap"] is not None:
         taken["wrap"] = str(taken["wrap"])
     return taken

@@ -1,13 +1,15 @@
 """The extension module. Only :class:`Recording` is seen outside the package."""
 
 import os
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Mapping, final
 
 import numpy as np
 import numpy.typing as npt
 
+__all__ = ["discover", "identify", "sinefit", "export", "make_model", "parse_model", "read_model", "write_text", "Recording", "read", "simulate", "simulate_drive", "__version__"]
 __version__: str
 
+@final
 class Recording:
     """One recording of an axis, checked and mended, evenly sampled or not.
 
@@ -16,8 +18,8 @@ class Recording:
     :func:`breakaway.read` makes one of a file, and :func:`breakaway.recording` of arrays.
     """
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         t: npt.NDArray[np.float64],
         u: npt.NDArray[np.float64],
         x: npt.NDArray[np.float64],
@@ -26,7 +28,7 @@ class Recording:
         units: tuple[str | None, str | None],
         name: str,
         options: Mapping[str, Any],
-    ) -> None: ...
+    ) -> "Recording": ...
     def __len__(self) -> int: ...
     @property
     def t(self) -> npt.NDArray[np.float64]:

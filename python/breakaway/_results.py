@@ -36,13 +36,16 @@ class Remark:
     text: str
 
 
-def of(kind: type, document: str, **more: Any) -> Any:
+Kind = typing.TypeVar("Kind")
+
+
+def of(kind: typing.Callable[..., Kind], document: str, **more: Any) -> Kind:
     """A result of the command's document."""
     fields = json.loads(document)
     return kind(**_fields(kind, fields), document=fields, **more)
 
 
-def _fields(kind: type, document: Mapping[str, Any]) -> dict[str, Any]:
+def _fields(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     hints = typing.get_type_hints(kind)
     made = {}
     for one in dataclasses.fields(kind):
@@ -61,7 +64,7 @@ def _value(hint: Any, value: Any) -> Any:
         return _value(inner[0], value)
     if origin is tuple:
         return tuple(_value(inner[0], one) for one in value)
-    if dataclasses.is_dataclass(hint):
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint):
         return hint(**_fields(hint, value))
     if isinstance(value, dict):
         return {key: _value(inner[1], one) for key, one in value.items()}

@@ -1,5 +1,7 @@
 //! How a file or arrays are read, as Python passes it.
 
+use std::path::PathBuf;
+
 use anyhow::anyhow;
 use breakaway::command::UsageError;
 use breakaway::recording::{ReadOptions, Selection};
@@ -21,6 +23,7 @@ pub struct Options {
     select: Vec<String>,
     from_s: Option<f64>,
     to_s: Option<f64>,
+    dbc: Option<PathBuf>,
 }
 
 impl Options {
@@ -46,6 +49,7 @@ impl Options {
             counts_per_turn: self.counts_per_turn,
             window_s: window.then(|| (self.from_s.unwrap_or(f64::NEG_INFINITY), self.to_s.unwrap_or(f64::INFINITY))),
             max_rows: None,
+            dbc: self.dbc,
             select: self
                 .select
                 .iter()

@@ -6,10 +6,13 @@ Usage: write_logs.py RECORDING.csv FOLDER. The recording has the columns t, u an
 import csv
 import ctypes
 import json
+import shutil
+import sqlite3
 import struct
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -17,6 +20,9 @@ import scipy.io
 from mcap.writer import CompressionType, Writer
 from mcap_protobuf.writer import Writer as ProtobufWriter
 from mcap_ros2.writer import Writer as Ros2Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
 
 JOINT_STATE = """\
 std_msgs/Header header
@@ -56,6 +62,53 @@ def numpy_files(folder, t, u, x):
 def matlab_files(folder, t, u, x):
     scipy.io.savemat(folder / "v5.mat", {"t": t, "u": u, "x": x}, oned_as="column")
     scipy.io.savemat(folder / "v7.mat", {"log": {"t": t, "u": u, "x": x, "note": "a bench"}}, do_compression=True)
+
+
+def matlab_73(folder, t, u, x):
+    """As MATLAB's `save -v7.3` lays it out: 512 bytes that name the version, then HDF5. MATLAB itself could not be had."""
+    path = folder / "v73.mat"
+    with h5py.File(path, "w", userblock_size=512, libver="earliest") as file:
+        log = file.create_group("log")
+        log.attrs["MATLAB_class"] = np.bytes_("struct")
+        for name, values in {"t": t, "u": u, "x": x}.items():
+            packed = {"compression": "gzip", "chunks": (1, len(t))} if name == "u" else {}
+            array = log.create_dataset(name, data=values.reshape(1, -1), **packed)
+            array.attrs["MATLAB_class"] = np.bytes_("double")
+        note = log.create_dataset("note", data=np.frombuffer("a bench".encode("utf-16-le"), "<u2").reshape(-1, 1))
+        note.attrs["MATLAB_class"] = np.bytes_("char")
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM"
+    with open(path, "r+b") as file:
+        file.write(head)
+
+
+def bag(folder, t, u, x):
+    """A bag of ROS 2 in SQLite. The second is as ROS 2 Humble writes it, without definitions."""
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    State, Header, Time = (
+        types.types[name] for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    for name, version in (("bag", 9), ("humble", 8)):
+        place = folder / f"{name}-folder"
+        with BagWriter(place, version=version, storage_plugin=StoragePlugin.SQLITE3) as writer:
+            topic = writer.add_connection("/joint_states", State.__msgtype__, typestore=types)
+            for k, ns in enumerate(int(ns) for ns in nanoseconds(t)):
+                header = Header(stamp=Time(sec=ns // 10**9, nanosec=ns % 10**9), frame_id="base")
+                message = State(
+                    header=header,
+                    name=["other", "axis"],
+                    position=np.array([0.5, x[k]]),
+                    velocity=np.array([]),
+                    effort=np.array([0.25, u[k]]),
+                )
+                late = 2_000_000 + k * 7919 % 1_000_000
+                writer.write(topic, ns + late, types.serialize_cdr(message, State.__msgtype__))
+        path = folder / f"{name}.db3"
+        next(place.glob("*.db3")).rename(path)
+        shutil.rmtree(place)
+        if version == 8:
+            file = sqlite3.connect(path)
+            file.executescript("DROP TABLE message_definitions; VACUUM;")
+            file.close()
 
 
 def parquet_files(folder, t, u, x):
@@ -212,6 +265,8 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     numpy_files(folder, t, u, x)
     matlab_files(folder, t, u, x)
+    matlab_73(folder, t, u, x)
+    bag(folder, t, u, x)
     parquet_files(folder, t, u, x)
     wpilog(folder, t, u, x)
     mcap_cdr(folder / "zstd.mcap", t, u, x, CompressionType.ZSTD)

@@ -7,7 +7,14 @@ self.onStep = (json) => self.postMessage({ kind: "step", step: JSON.parse(json) 
 let panic = null;
 self.onPanic = (text) => { panic = text; };
 
-const read = async (file) => new Uint8Array(await file.arrayBuffer());
+/** The bytes of a file. A browser refuses one that was moved or changed since it was chosen. */
+async function read(file) {
+  try {
+    return new Uint8Array(await file.arrayBuffer());
+  } catch (error) {
+    throw `${file.name}: the browser cannot read the file; choose it again (${error.name})`;
+  }
+}
 
 const tasks = {
   async look({ file }) {

@@ -36,6 +36,7 @@ const CRATES: [Order; 3] = [
             "model",
             "export",
             "sine",
+            "response",
             "simulate",
             "fit",
             "identify",

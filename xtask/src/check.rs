@@ -109,13 +109,9 @@ fn steps(report: &mut Report) -> Result<()> {
         report.not_run(format!("exported models in MuJoCo: {error:#}"));
     }
     let simulators = matches!(simulators, Some(Ok(_)));
-    match cross::install_wasm() {
-        Ok(()) => report.check("page for the browser", web::build)?,
-        Err(error) => report.not_run(format!("page for the browser: {error:#}")),
-    }
-    report.not_run("the page in a browser: `cargo xtask web-test`".to_owned());
+    let browser = web::prepare(report)?;
     let programs =
-        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", false)];
+        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
     report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
     let mut pythons = None;
     report.check("Python for the wheel", || {

@@ -2,13 +2,14 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
 use crate::cross::target_folder;
 use crate::debian::Tree;
-use crate::run::succeeds;
+use crate::run::run_within;
 
 /// Names another program; the tests read it too.
 const VARIABLE: &str = "BREAKAWAY_CHROMIUM";
@@ -16,6 +17,8 @@ const VARIABLE: &str = "BREAKAWAY_CHROMIUM";
 const INSTALLED: [&str; 4] = ["chromium", "google-chrome", "chromium-browser", "chromium-headless-shell"];
 /// Debian's package without a window: it needs no desktop's libraries.
 const PACKAGE: &str = "chromium-headless-shell";
+/// A browser starts in a second; one that takes a minute has hung.
+const START: Duration = Duration::from_secs(60);
 
 /// The Chromium to use: the one that `BREAKAWAY_CHROMIUM` names, else an installed one, else one unpacked from Debian's
 /// packages.
@@ -60,5 +63,7 @@ fn unpack(script: &Path) -> Result<()> {
 /// Whether a program starts and shows an empty page. Its version alone would not tell that its libraries are there.
 fn starts(program: impl AsRef<OsStr>) -> bool {
     let flags = ["--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", "about:blank"];
-    succeeds(Command::new(program).args(flags))
+    let mut command = Command::new(program);
+    command.args(flags).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    run_within(&mut command, START).is_ok()
 }

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::chromium;
 use crate::cross::{self, target_folder};
+use crate::report::Report;
 use crate::run::{cargo, root, run};
 
 /// Its profile in Cargo.toml.
@@ -39,6 +40,35 @@ pub fn build() -> Result<()> {
     }
     println!("{}", folder.join("index.html").display());
     Ok(())
+}
+
+/// Builds the page and finds a Chromium for its tests. Without the target or a browser the tests are not run, but in CI that
+/// is an error.
+///
+/// # Errors
+/// The page does not build; in CI, what is missing.
+pub fn prepare(report: &mut Report) -> Result<bool> {
+    let needed = std::env::var_os("CI").is_some();
+    match cross::install_wasm() {
+        Err(error) if !needed => {
+            report.not_run(format!("page for the browser: {error:#}"));
+            return Ok(false);
+        }
+        // In CI this says what is missing.
+        _ => report.check("page for the browser", build)?,
+    }
+    let mut found = None;
+    report.check("Chromium", || {
+        found = Some(chromium::program());
+        match &found {
+            Some(Err(error)) if needed => bail!("{error:#}"),
+            _ => Ok(()),
+        }
+    })?;
+    if let Some(Err(error)) = &found {
+        report.not_run(format!("the page in a browser: {error:#}"));
+    }
+    Ok(matches!(found, Some(Ok(_))))
 }
 
 /// Builds the page, and tries it in a headless Chromium.

@@ -8,8 +8,8 @@ use super::console::{self, Verbosity};
 use super::failure::Failure;
 use super::output::{self, Output};
 use super::{
-    UsageError, capture, completions, demo, device, discover, effects, export, identify, look, man, models, monitor,
-    simulate, sinefit, track, tune, virtual_board,
+    UsageError, bode, capture, completions, demo, device, discover, effects, export, identify, look, man, models,
+    monitor, simulate, sinefit, track, tune, virtual_board,
 };
 use crate::device::DeviceError;
 use crate::recording::RecordingError;
@@ -51,6 +51,8 @@ pub enum CliCommand {
     Look(look::Args),
     /// Identify inertia, viscous and Coulomb friction from recordings, with standard errors
     Identify(identify::Args),
+    /// Frequency response from drive to position: gain, phase, coherence, resonances, delay
+    Bode(bode::Args),
     /// The catalogue of effects: law, parameters, what shows each, what it is confused with
     Effects(effects::Args),
     /// Write a model for MuJoCo, URDF, SDF, Isaac Lab, Modelica or C, with what is lost
@@ -107,6 +109,7 @@ pub fn run(cli: Cli) -> ExitCode {
         CliCommand::Discover(args) => args.run(output),
         CliCommand::Look(args) => args.run(output),
         CliCommand::Identify(args) => args.run(output),
+        CliCommand::Bode(args) => args.run(output),
         CliCommand::Effects(args) => args.run(output),
         CliCommand::Export(args) => args.run(output),
         CliCommand::Models(args) => args.run(output),

@@ -21,6 +21,8 @@ use crate::identify::estimate::IdentifyError;
 use crate::model::ModelError;
 use crate::models::CardError;
 use crate::recording::RecordingError;
+use crate::report::figure::RasterError;
+use crate::response::ResponseError;
 use crate::simulate::SimulateError;
 use crate::sine::SineFitError;
 
@@ -120,7 +122,9 @@ fn typed(error: &(dyn std::error::Error + 'static)) -> Option<Value> {
         FolderError,
         LineError,
         ExportError,
-        CardError
+        CardError,
+        ResponseError,
+        RasterError
     )
 }
 
@@ -146,6 +150,7 @@ fn family(error: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
         .or_else(|| is("sine", error.is::<SineFitError>()))
         .or_else(|| is("export", error.is::<ExportError>()))
         .or_else(|| is("card", error.is::<CardError>()))
+        .or_else(|| is("response", error.is::<ResponseError>()))
 }
 
 /// The error that an error passes on.

@@ -1,4 +1,4 @@
-//! `--figures DIR`: every figure of a command, as a drawing and as a table.
+//! `--figures DIR`: every figure of a command, as a drawing, as a picture and as a table.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::report::figure::Figure;
 /// Where figures go; flatten it into a command's arguments.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct FiguresArgs {
-    /// Write every figure to this folder, as SVG and its numbers as CSV
+    /// Write every figure to this folder, as SVG and PNG, and its numbers as CSV
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
 }
@@ -32,6 +32,7 @@ impl FiguresArgs {
             let ours = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX));
             let kind = match path.extension().and_then(|extension| extension.to_str()) {
                 Some("svg") => FileKind::Figure,
+                Some("png") => FileKind::Picture,
                 Some("csv") => FileKind::FigureTable,
                 _ => continue,
             };
@@ -52,14 +53,18 @@ impl FiguresArgs {
         let mut files = Vec::new();
         for (k, figure) in draw().iter().enumerate() {
             let name = format!("{PREFIX}{:02}-{}", k + 1, slug(&figure.title));
-            files.push((folder.join(format!("{name}.svg")), FileKind::Figure, figure.file()));
-            files.push((folder.join(format!("{name}.csv")), FileKind::FigureTable, figure.csv()));
+            let mut file =
+                |extension, kind, bytes| files.push((folder.join(format!("{name}.{extension}")), kind, bytes));
+            file("svg", FileKind::Figure, figure.file().into_bytes());
+            #[cfg(feature = "command")]
+            file("png", FileKind::Picture, figure.png()?);
+            file("csv", FileKind::FigureTable, figure.csv().into_bytes());
         }
         for (path, kind, _) in &files {
             output.may_write(path, *kind, inputs)?;
         }
-        for (path, _, text) in files {
-            Target::File(path).write_text(&text)?;
+        for (path, _, bytes) in files {
+            Target::File(path).write(|out| out.write_all(&bytes))?;
         }
         Ok(())
     }

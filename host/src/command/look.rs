@@ -25,7 +25,7 @@ use crate::report::look as report;
   breakaway look session/*.csv --json
   breakaway look bench.npz --position theta --figure bench.svg
 
-Formats: CSV, MCAP, WPILOG, ULog, npz and npy, MAT (version 5 to 7), Parquet; each packed by gzip or not. The first bytes of a
+Formats: CSV, MCAP, WPILOG, ULog, npz and npy, MAT, HDF5, Parquet, bags of ROS 2, CAN logs; each packed by gzip or not. The first bytes of a
 file tell its format. What a flag names is not guessed. The exit code is 0 also where faults are found.
 
 JSON: version, files (file, format, channels (name, unit, rows, rate_hz, range, texts), time, drive, position (channel,

@@ -6,6 +6,8 @@
 //! are read already, and their documents.
 
 #[cfg(feature = "command")]
+pub mod bode;
+#[cfg(feature = "command")]
 pub mod capture;
 #[cfg(feature = "command")]
 pub mod cli;

@@ -3,6 +3,7 @@
 use std::io::Read;
 #[cfg(feature = "command")]
 use std::path::Path;
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -51,6 +52,9 @@ pub struct RecordingArgs {
     /// Only rows whose column has this value; may be repeated. Where rows fall out, the recording is cut
     #[arg(long = "where", value_name = "COL=VALUE")]
     pub select: Vec<Selection>,
+    /// Description of the frames of a CAN log (candump, SavvyCAN), in DBC
+    #[arg(long, value_name = "F.dbc")]
+    pub dbc: Option<PathBuf>,
     /// Only rows from this time on, s by the file's clock
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     pub from: Option<f64>,
@@ -76,6 +80,7 @@ impl RecordingArgs {
                 .then(|| (self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY))),
             max_rows: None,
             select: self.select.clone(),
+            dbc: self.dbc.clone(),
         }
     }
 

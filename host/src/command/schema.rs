@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use super::output::SCHEMA_VERSION;
 use super::virtual_board;
 use super::{
-    capture, completions, demo, device, discover, effects, export, failure, identify, look, man, models, run, simulate,
-    sinefit, track, tune,
+    bode, capture, completions, demo, device, discover, effects, export, failure, identify, look, man, models, run,
+    simulate, sinefit, track, tune,
 };
 use crate::report;
 use crate::report::remark::RemarkJson;
@@ -17,6 +17,7 @@ use crate::report::remark::RemarkJson;
 /// The schema of each document, with its name: the command's, and its variant's where it has several.
 pub fn schemas() -> Vec<(&'static str, Value)> {
     vec![
+        ("bode", of::<bode::Document>()),
         ("capture", of::<capture::Document>()),
         ("completions", of::<completions::Document>()),
         ("demo", of::<demo::Document>()),

@@ -17,6 +17,8 @@ pub enum FileKind {
     Page,
     /// A figure, SVG.
     Figure,
+    /// A figure, PNG.
+    Picture,
     /// The numbers of a figure, CSV.
     FigureTable,
     /// A manual page.
@@ -40,6 +42,7 @@ impl FileKind {
             Self::Controller => "a controller",
             Self::Page => "a report",
             Self::Figure => "a figure",
+            Self::Picture => "a picture of a figure",
             Self::FigureTable => "a figure's table",
             Self::Manual => "a manual page",
             Self::FleetTable => "a table over a fleet",
@@ -69,6 +72,9 @@ impl FileKind {
             Self::Controller => starts("# Tuned by breakaway "),
             Self::Page => starts("<!DOCTYPE html>") && text.contains(PAGE_MARK),
             Self::Figure => starts("<svg ") && text.contains(FIGURE_MARK),
+            Self::Picture => {
+                head.starts_with(PICTURE) && head.windows(PICTURE_MARK.len()).any(|part| part == PICTURE_MARK)
+            }
             Self::FigureTable => starts(TABLE_MARK),
             Self::Manual => text.contains(".TH breakaway"),
             Self::FleetTable => starts("machine,verdict,effects,"),
@@ -91,6 +97,9 @@ pub const CARD_MARK: &str = "# Made by `breakaway models add`";
 pub const PAGE_MARK: &str = "<meta name=\"generator\" content=\"breakaway\">";
 /// What stands in the first tag of a figure that is a file of its own.
 pub const FIGURE_MARK: &str = "data-by=\"breakaway\"";
+/// How a PNG begins, and its text that says who made it.
+const PICTURE: &[u8] = b"\x89PNG";
+const PICTURE_MARK: &[u8] = b"Software\0breakaway";
 /// How the table of a figure begins.
 pub const TABLE_MARK: &str = "# figure by breakaway: ";
 

@@ -45,7 +45,7 @@ pub struct Look {
 /// [`RecordingError`] where the file cannot be read as a log at all.
 pub fn look(path: &Path, file: &str, options: &ReadOptions) -> Result<Look, RecordingError> {
     options.check()?;
-    let log = Log::read(path)?;
+    let log = Log::read_described(path, options.dbc.as_deref())?;
     // CSV is read as `identify` reads it, field by field, unless it has gone by already.
     let again = log.format == Format::Csv && !is_standard_input(path);
     Ok(look_by(file, &log, options, |options| {

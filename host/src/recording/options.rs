@@ -1,6 +1,7 @@
 //! How a file's columns are read as a recording.
 
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::RecordingError;
@@ -38,6 +39,8 @@ pub struct ReadOptions {
     pub wrap: Option<Wrap>,
     /// Conditions a row must meet, all of them.
     pub select: Vec<Selection>,
+    /// The file in DBC that describes the frames of a CAN log.
+    pub dbc: Option<PathBuf>,
 }
 
 impl ReadOptions {

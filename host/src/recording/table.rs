@@ -62,7 +62,12 @@ impl Table {
         let format = Format::of(&head);
         let input = std::io::Cursor::new(head).chain(input);
         if let Some(format) = format {
-            return Self::of_log(file, &formats::foreign(file, format, input)?, options, wanted);
+            return Self::of_log(
+                file,
+                &formats::foreign(file, format, input, options.dbc.as_deref())?,
+                options,
+                wanted,
+            );
         }
         let (input, meter) = Limited::new(input);
         let mut input = BufReader::with_capacity(BUFFER, input);

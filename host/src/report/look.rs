@@ -181,7 +181,7 @@ pub fn command(look: &Look) -> Option<String> {
     let (drive, position) = (look.guesses.drive.as_ref()?, look.guesses.position.as_ref()?);
     let mut words = vec!["breakaway identify".to_owned(), quoted(&look.file)];
     let mut flag = |flag: &str, value: &str| words.push(format!("{flag} {}", quoted(value)));
-    let ReadOptions { time, time_unit, fs_hz, encoder_step, counts_per_turn, window_s, wrap, select, .. } =
+    let ReadOptions { time, time_unit, fs_hz, encoder_step, counts_per_turn, window_s, wrap, select, dbc, .. } =
         &look.options;
     if let Some(time) = time {
         flag("--time", time);
@@ -201,6 +201,9 @@ pub fn command(look: &Look) -> Option<String> {
     }
     if let Some(wrap) = wrap {
         flag("--wrap", &wrap.to_string());
+    }
+    if let Some(dbc) = dbc {
+        flag("--dbc", &dbc.display().to_string());
     }
     for condition in select {
         flag("--where", &condition.to_string());

@@ -16,6 +16,8 @@ pub mod json;
 pub mod look;
 pub mod page;
 pub mod remark;
+#[cfg(feature = "command")]
+pub mod response;
 pub mod sine;
 pub mod text;
 pub mod tracking;

@@ -1,4 +1,4 @@
-//! `--figures`: every figure as a drawing and a table, and never over what somebody else wrote.
+//! `--figures`: every figure as a drawing, a picture and a table, and never over what somebody else wrote.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn commands_write_every_figure_as_svg_and_csv() {
+fn commands_write_every_figure_as_svg_png_and_csv() {
     let place = tempfile::tempdir().unwrap();
     let place = place.path();
     recording(place);
@@ -41,11 +41,16 @@ fn commands_write_every_figure_as_svg_and_csv() {
             assert!(run.status.success(), "{line}, {again}: {}", text(&run.stderr));
         }
         let names = names(&folder);
-        assert_eq!(names.len(), 2 * figures, "{names:?}");
-        for pair in names.chunks(2) {
-            assert_eq!(pair[0].strip_suffix(".csv"), pair[1].strip_suffix(".svg"), "{names:?}");
-            let svg = fs::read_to_string(folder.join(&pair[1])).unwrap();
-            assert!(svg.starts_with("<svg ") && svg.contains("<style>") && svg.contains("xmlns="), "{pair:?}");
+        assert_eq!(names.len(), 3 * figures, "{names:?}");
+        for one in names.chunks(3) {
+            assert_eq!(one[0].strip_suffix(".csv"), one[2].strip_suffix(".svg"), "{names:?}");
+            assert_eq!(one[0].strip_suffix(".csv"), one[1].strip_suffix(".png"), "{names:?}");
+            let svg = fs::read_to_string(folder.join(&one[2])).unwrap();
+            assert!(svg.starts_with("<svg ") && svg.contains("<style>") && svg.contains("xmlns="), "{one:?}");
+            let png = fs::read(folder.join(&one[1])).unwrap();
+            // Twice the width of 800 pixels and of both margins, from the picture's head.
+            let width = u32::from_be_bytes(png[16..20].try_into().unwrap());
+            assert!(png.starts_with(b"\x89PNG") && width == 2 * 828, "{one:?}: {width}");
         }
         let tables: Vec<String> = names
             .iter()
@@ -78,5 +83,5 @@ fn a_strange_file_is_not_written_over() {
     fs::rename(folder.join("figure-01-mine.csv"), folder.join("mine.csv")).unwrap();
     assert!(breakaway(place, &["sinefit", "rec.csv", "--figures", "out"]).status.success());
     assert_eq!(fs::read_to_string(folder.join("mine.csv")).unwrap(), "a,b\n1,2\n");
-    assert_eq!(names(&folder).len(), 3);
+    assert_eq!(names(&folder).len(), 4);
 }

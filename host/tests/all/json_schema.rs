@@ -55,6 +55,7 @@ fn documents_are_valid() {
         ("run", "run relay.toml --model model.toml -o session"),
         ("sinefit", "sinefit rec.csv"),
         ("identify", "identify rec.csv"),
+        ("bode", "bode rec.csv"),
         ("discover", "discover rec.csv"),
         ("tune", "tune model.toml"),
         ("track", "track --model model.toml --reference sine:1,0.2"),

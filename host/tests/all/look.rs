@@ -1,6 +1,7 @@
 //! `breakaway look`, and the logs that it and every other command read. The logs are the seeds of fuzz/corpus/log: 24 rows of
 //! a made-up relay, written by the formats' own packages (tests/logs/write_logs.py).
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -12,18 +13,22 @@ use serde_json::Value;
 use crate::support::{breakaway, json, keys, text};
 
 /// What a log's columns are called: its file, time, drive, position.
-const LOGS: [(&str, Option<&str>, &str, &str); 16] = [
+const LOGS: [(&str, Option<&str>, &str, &str); 20] = [
     ("plain.npz", None, "u", "x"),
     ("packed.npz", None, "u", "x"),
     ("records.npy", Some("array.t"), "array.u", "array.x"),
     ("v5.mat", None, "u", "x"),
     ("v7.mat", Some("log.t"), "log.u", "log.x"),
+    ("v73.mat", Some("log.t"), "log.u", "log.x"),
     ("snappy.parquet", None, "u", "x"),
     ("gzip.parquet", None, "u", "x"),
+    ("zstd.parquet", None, "u", "x"),
     ("stamps.parquet", Some("time"), "u", "x"),
     ("sysid.wpilog", None, "voltage-motor-drive", "position-motor-drive"),
     ("zstd.mcap", Some("header/stamp"), "axis/effort", "axis/position"),
     ("lz4.mcap", Some("header/stamp"), "axis/effort", "axis/position"),
+    ("bag.db3", Some("header/stamp"), "axis/effort", "axis/position"),
+    ("humble.db3", Some("header/stamp"), "axis/effort", "axis/position"),
     ("json.mcap", None, "/drive/voltage", "/encoder/position"),
     ("protobuf.mcap", None, "axis/voltage", "axis/position"),
     ("motor.ulg", None, "motor/u", "motor/x"),
@@ -137,8 +142,9 @@ fn look_says_what_is_wrong() {
 fn what_is_not_read_says_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes, says) in [
-        ("v73.mat", b"MATLAB 7.3 MAT-file, Platform".as_slice(), "'-v7')"),
-        ("bag.db3", b"SQLite format 3\0rest", "ros2 bag convert"),
+        ("v73.mat", b"MATLAB 7.3 MAT-file, Platform".as_slice(), "groups and arrays are not whole"),
+        ("bag.db3", b"SQLite format 3\0rest", "SQLite does not find its tables whole"),
+        ("frames.log", b"(1.0) can0 009#00\n", "--dbc"),
         ("old.bag", b"#ROSBAG V2.0\n", "mcap convert"),
         ("cut.mcap", b"\x89MCAP0\r\n\x01", "no channel `u`"),
         ("cut.npz", b"PK\x03\x04", "table of contents"),
@@ -148,6 +154,59 @@ fn what_is_not_read_says_what_to_do() {
         assert_eq!(run.status.code(), Some(1), "{name}");
         assert!(text(&run.stderr).contains(says), "{name}: {}", text(&run.stderr));
     }
+}
+
+/// Position and drive as doubles of 8 bytes, which hold all digits.
+const DBC: &str = r#"VERSION ""
+
+NS_ :
+
+BS_:
+
+BU_: drive
+
+BO_ 9 encoder: 8 drive
+ SG_ position : 0|64@1- (1,0) [0|0] "rad" Vector__XXX
+
+BO_ 28 motor: 8 drive
+ SG_ voltage : 0|64@1- (1,0) [0|0] "V" Vector__XXX
+
+SIG_VALTYPE_ 9 position : 2;
+SIG_VALTYPE_ 28 voltage : 2;
+"#;
+
+/// Frames of CAN, as candump and as SavvyCAN write them, have the numbers of the first log, bit for bit.
+#[test]
+fn frames_of_can_are_read_by_their_description() {
+    let first = Recording::read(&seed("plain.npz"), &options(None, "u", "x")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("axis.dbc"), DBC).unwrap();
+    let mut candump = String::new();
+    let mut savvycan = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n".to_owned();
+    for ((t, u), x) in first.t.iter().zip(&first.u).zip(&first.x) {
+        for (id, value) in [(9, x), (28, u)] {
+            let bytes = value.to_le_bytes().map(|byte| format!("{byte:02X}"));
+            writeln!(candump, "({:.6}) can0 {id:03X}#{}", 1000.0 + t, bytes.concat()).unwrap();
+            writeln!(savvycan, "{:.0},{id:08X},false,Rx,0,8,{},", 1e6 * t, bytes.join(",")).unwrap();
+        }
+    }
+    for (name, log) in [("frames.log", candump), ("frames.csv", savvycan)] {
+        fs::write(folder.path().join(name), log).unwrap();
+        let described = ReadOptions {
+            dbc: Some(folder.path().join("axis.dbc")),
+            ..options(None, "motor/voltage", "encoder/position")
+        };
+        let read = Recording::read(&folder.path().join(name), &described).unwrap();
+        assert_eq!((&read.u, &read.x), (&first.u, &first.x), "{name}");
+        assert_eq!((read.units.u.as_str(), read.units.x.as_str()), ("V", "rad"), "{name}");
+        let looked = json(folder.path(), &["look", name, "--dbc", "axis.dbc"]);
+        let command = looked["files"][0]["command"].as_str().unwrap();
+        assert!(command.contains("--input motor/voltage") && command.contains("--dbc axis.dbc"), "{command}");
+    }
+    fs::write(folder.path().join("axis.dbc"), "BO_ nonsense").unwrap();
+    let refused = breakaway(folder.path(), &["look", "frames.log", "--dbc", "axis.dbc"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("axis.dbc: no description of CAN frames"), "{}", text(&refused.stderr));
 }
 
 /// Drive and position of an MCAP's two topics at different rates: the rows are the position's, and it is said.

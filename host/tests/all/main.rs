@@ -1,6 +1,7 @@
 //! The library and the `breakaway` command from outside, in one program: each further one would link the host anew.
 
 mod axis_commands;
+mod bode;
 mod command;
 mod control_commands;
 mod decide;

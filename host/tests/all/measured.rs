@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use breakaway::recording::{ReadOptions, Recording, RecordingError, Warning, Wrap};
 
 /// The folder of measured recordings. Its absence is a failure in CI; elsewhere the test says that it was not run.
-fn data() -> Option<PathBuf> {
+pub fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("BREAKAWAY_DATA")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")), PathBuf::from);
     if folder.is_dir() {

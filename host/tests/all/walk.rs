@@ -63,7 +63,7 @@ fn the_readmes_walk() {
         }
         commands.push(words[0].clone());
     }
-    for command in ["demo", "run", "identify", "sinefit", "discover", "effects", "tune", "track", "simulate"] {
+    for command in ["demo", "run", "identify", "sinefit", "bode", "discover", "effects", "tune", "track", "simulate"] {
         assert!(commands.iter().any(|done| done == command), "the README no longer shows {command}");
     }
     // What is hidden in the axis that the README shows is what it finds.

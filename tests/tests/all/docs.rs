@@ -21,7 +21,7 @@ use commands::{Program, lines, pages, root, shown};
 use files::Files;
 
 /// Files that a page takes from its reader, and what it says they are.
-const READERS_OWN: [(&str, &str, &str); 11] = [
+const READERS_OWN: [(&str, &str, &str); 13] = [
     ("README.md", "rec.csv", "A recording is a CSV file"),
     ("docs/adding-an-effect.md", "eddy.toml", "`eddy.toml`, on the plant of the papers"),
     ("docs/case-studies.md", "emps_train.csv", "Both recordings are other people's"),
@@ -29,6 +29,8 @@ const READERS_OWN: [(&str, &str, &str); 11] = [
     ("docs/control.md", "model.toml", "from a model to a tracked reference"),
     ("docs/fleet.md", "machines", "`machines` holds one folder per machine"),
     ("docs/formats.md", "rec.csv", "`rec.csv` is a recording of yours"),
+    ("docs/logs.md", "axis.dbc", "DBC says which signals they hold"),
+    ("docs/logs.md", "frames.log", "Frames are those of `candump -L`"),
     ("docs/logs.md", "robot.mcap", "reads the log that you have"),
     ("docs/tutorial.md", "export", "$ mkdir -p export held"),
     ("docs/tutorial.md", "held", "$ mkdir -p export held"),

@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-/// Beyond this nothing will come any more. No result depends on it.
-const PATIENCE: Duration = Duration::from_secs(240);
+/// An answer that takes longer will not come. A discovery in the page takes 8 s on a quiet machine. No result depends on it.
+pub const PATIENCE: Duration = Duration::from_secs(180);
+/// So much longer than the page's own deadlines, for their message to come first.
+const GRACE: Duration = Duration::from_secs(20);
 
 /// Where `cargo xtask web` and `cargo xtask test` leave what they fetch, and what is installed.
 fn program() -> Option<PathBuf> {
@@ -78,12 +80,14 @@ impl Chromium {
         Some(own)
     }
 
-    /// Calls a method and waits for its answer.
+    /// Calls a method and waits for its answer, whatever else comes meanwhile.
     #[allow(clippy::needless_pass_by_value, reason = "parameters are written where they are given")]
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         let id = self.send(method, &parameters, self.session.clone());
+        let latest = Instant::now() + PATIENCE + GRACE;
         loop {
-            let answer = self.from.recv_timeout(PATIENCE).unwrap_or_else(|error| panic!("{method}: {error}"));
+            let left = latest.saturating_duration_since(Instant::now());
+            let answer = self.from.recv_timeout(left).unwrap_or_else(|error| panic!("{method}: {error}"));
             if answer["id"] == id {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].clone();

@@ -13,6 +13,19 @@ fn words_of_the_command(file: &Path, columns: &RecordingArgs) -> String {
     error.to_string().replace(&file.display().to_string(), &file.file_name().unwrap().to_string_lossy())
 }
 
+/// A file that has gone, or changed, since it was chosen cannot be read by a browser.
+#[test]
+fn a_file_that_cannot_be_read_is_named() {
+    let mut page = needs!(Page::open());
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("gone.csv");
+    std::fs::write(&file, with_a_word()).unwrap();
+    page.choose("#fit-files", &[&file]);
+    std::fs::remove_file(&file).unwrap();
+    let said = page.discover().unwrap_err();
+    assert!(said.starts_with("gone.csv: the browser cannot read the file"), "{said}");
+}
+
 /// A recording of 200 rows that moves, with a word where row 100 has its drive.
 fn with_a_word() -> String {
     let row = |k: u32| {
@@ -45,14 +58,10 @@ fn what_is_no_recording_is_refused_in_the_commands_words() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("empty.csv");
     std::fs::write(&file, "").unwrap();
-    page.choose("#fit-files", &[&file]);
+    page.offer("#fit-files", &[&file]);
     let looked = breakaway::recording::formats::Log::read(&file).unwrap_err().to_string();
     assert_eq!(page.message(), looked.replace(&file.display().to_string(), "empty.csv"));
 }
-
-/// In the middle of the work: the page itself says `loading`, and the WebAssembly reports every step after that. One
-/// step may be over before it is looked for, so any will do.
-const WORKING: &str = "!['', 'loading'].includes(document.querySelector('#step').textContent)";
 
 #[test]
 fn a_run_can_be_cancelled_and_begun_again() {
@@ -60,7 +69,7 @@ fn a_run_can_be_cancelled_and_begun_again() {
     let data = needs!(measured_data());
     page.choose("#fit-files", &[&data.join("emps/emps_train.csv")]);
     page.press("#run");
-    page.until(WORKING);
+    page.until_working();
     page.press("#cancel");
     assert_eq!(page.message(), "Cancelled. Nothing was kept.");
     assert_eq!(
@@ -68,11 +77,10 @@ fn a_run_can_be_cancelled_and_begun_again() {
         true
     );
     // The worker is gone: nothing reports a step any more.
-    page.until("true");
     let step = "document.querySelector('#step').textContent";
     let before = page.browser.value(step);
     page.browser.value("new Promise((resolve) => setTimeout(resolve, 500))");
     assert_eq!(page.browser.value(step), before);
     page.press("#run");
-    page.until(WORKING);
+    page.until_working();
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::chromium::Chromium;
+use super::chromium::{Chromium, PATIENCE};
 use super::server::serve;
 
 /// Cargo's target folder: that from which this program runs.
@@ -46,16 +46,25 @@ impl Page {
         Some(page)
     }
 
-    /// Waits until a condition holds in the page.
+    /// Waits until a condition holds in the page. Where it does not in time, the test fails with what the page shows.
     pub fn until(&mut self, condition: &str) {
+        let (patience_ms, shown) = (PATIENCE.as_millis(), "(document.body?.innerText ?? '').slice(0, 2000)");
         let wait = format!(
-            "new Promise((resolve) => {{ const look = () => ({condition}) ? resolve(true) : setTimeout(look, 20); look(); }})"
+            "new Promise((resolve) => {{ const end = performance.now() + {patience_ms}; const look = () => \
+             ({condition}) ? resolve(null) : performance.now() > end ? resolve({shown}) : setTimeout(look, 20); look(); }})"
         );
-        self.browser.value(&wait);
+        let shown = self.browser.value(&wait);
+        assert!(shown.is_null(), "`{condition}` does not come; the page shows:\n{shown}");
     }
 
-    /// Chooses files, and waits until the page has looked at the first one.
+    /// Chooses files, and waits until the page has looked at the first one. Nothing may be wrong with it.
     pub fn choose(&mut self, input: &str, files: &[&Path]) {
+        self.offer(input, files);
+        assert_eq!(self.message(), "", "{files:?}");
+    }
+
+    /// Chooses files, and waits until the page has looked at the first one, or says what is wrong with it.
+    pub fn offer(&mut self, input: &str, files: &[&Path]) {
         let document = self.browser.call("DOM.getDocument", json!({}));
         let selector = json!({ "nodeId": document["root"]["nodeId"], "selector": input });
         let node = self.browser.call("DOM.querySelector", selector);
@@ -79,6 +88,15 @@ impl Page {
     /// What the page says is wrong; empty for nothing.
     pub fn message(&mut self) -> String {
         self.browser.value("document.querySelector('#message').textContent").as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Waits for the middle of a run: the page itself says `loading`, and the WebAssembly reports every step after that. One
+    /// step may be over before it is looked for, so any will do.
+    pub fn until_working(&mut self) {
+        let (step, over) = ("document.querySelector('#step').textContent", "document.querySelector('#work').hidden");
+        // A run that ends before its first step is not waited for.
+        self.until(&format!("{over} || !['', 'loading'].includes({step})"));
+        assert_eq!(self.browser.value(over), false, "the run ended: {}", self.message());
     }
 
     /// Discovers and waits for the end. Gives what came out, or what the page says is wrong.

@@ -72,12 +72,24 @@ pub fn install(python: &Path, wheel: &Path) -> Result<()> {
     run_within(install.arg(wheel), INSTALL)
 }
 
+/// Checks the installed package's types, and its stubs against the extension module.
+///
+/// # Errors
+/// What mypy finds.
+fn types(python: &Path, folder: &Path) -> Result<()> {
+    for arguments in [&["mypy", "--strict", "--package", "breakaway"][..], &["mypy.stubtest", "breakaway._native"]] {
+        run(Command::new(python).arg("-m").args(arguments).current_dir(folder))?;
+    }
+    Ok(())
+}
+
 /// Runs the tests of the installed wheel, apart from the package's sources.
 pub fn test(pythons: &Pythons) -> (Tests, Result<()>) {
     let ready = || {
         install(&pythons.tester, &wheel(pythons)?)?;
         let folder = target_folder().join("python-tests");
         fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        types(&pythons.tester, &folder)?;
         Ok(folder)
     };
     let folder = match ready() {

@@ -54,6 +54,14 @@ pub enum LogError {
         /// What to do.
         instead: &'static str,
     },
+    /// A description of frames that cannot be read.
+    #[error("{file}: no description of CAN frames in DBC: {what}")]
+    Description {
+        /// The file's name as it was given.
+        file: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A channel that is not there.
     #[error(
         "{file}: no channel `{wanted}`{}; name it with {flag}; channels: {}; `breakaway look {file}` guesses them",

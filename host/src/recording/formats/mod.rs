@@ -5,8 +5,12 @@
 mod array;
 mod bytes;
 #[cfg(feature = "logs")]
+mod can;
+#[cfg(feature = "logs")]
 mod cdr;
 mod csv;
+#[cfg(feature = "logs")]
+mod dbc;
 mod fault;
 mod gather;
 #[cfg(feature = "logs")]
@@ -19,6 +23,8 @@ mod leaf;
 mod log;
 mod mat;
 #[cfg(feature = "logs")]
+mod mat73;
+#[cfg(feature = "logs")]
 mod mcap;
 mod npy;
 #[cfg(feature = "logs")]
@@ -29,6 +35,8 @@ mod parquet;
 mod protobuf;
 #[cfg(feature = "logs")]
 mod ros_type;
+#[cfg(feature = "logs")]
+mod rosbag2;
 mod text;
 mod ulog;
 mod wpilog;
@@ -81,6 +89,8 @@ pub enum Format {
     Sqlite,
     /// The bag of ROS 1.
     Rosbag1,
+    /// Frames of CAN, of candump or SavvyCAN.
+    Can,
 }
 
 impl Format {
@@ -102,11 +112,14 @@ impl Format {
 
     /// The format of a file that begins with `head`; `None` where that is none of these, and may be CSV.
     pub fn of(head: &[u8]) -> Option<Self> {
-        Self::MARKS.iter().find(|(mark, _)| head.starts_with(mark)).map(|(_, format)| *format)
+        let marked = Self::MARKS.iter().find(|(mark, _)| head.starts_with(mark)).map(|(_, format)| *format);
+        #[cfg(feature = "logs")]
+        let marked = marked.or_else(|| can::begins(head).then_some(Self::Can));
+        marked
     }
 
-    /// Reads a log of this format from all its bytes.
-    fn log(self, bytes: &[u8]) -> Result<Log, Fault> {
+    /// Reads a log of this format from all its bytes; frames by their description.
+    fn log(self, bytes: &[u8], frames: Option<&Frames>) -> Result<Log, Fault> {
         let unsupported = |what: &str, instead| Err(Fault::Unsupported { what: what.to_owned(), instead });
         match self {
             #[cfg(feature = "logs")]
@@ -119,12 +132,17 @@ impl Format {
             Self::Wpilog => wpilog::read(bytes),
             #[cfg(feature = "logs")]
             Self::Mcap => mcap::read(bytes),
+            #[cfg(feature = "logs")]
+            Self::Hdf5 => mat73::read(bytes),
+            #[cfg(feature = "logs")]
+            Self::Sqlite => rosbag2::read(bytes),
+            #[cfg(feature = "logs")]
+            Self::Can => can::read(bytes, frames),
             #[cfg(not(feature = "logs"))]
-            Self::Npz | Self::Parquet | Self::Mcap => {
+            Self::Npz | Self::Parquet | Self::Mcap | Self::Hdf5 | Self::Sqlite | Self::Can => {
+                let _ = frames;
                 unsupported(&self.to_string(), "give it to the command `breakaway`, or write it as CSV")
             }
-            Self::Hdf5 => unsupported("HDF5 (MATLAB's version 7.3)", "write it by save('log.mat', …, '-v7')"),
-            Self::Sqlite => unsupported("a bag of ROS 2 in SQLite", "convert it to MCAP by `ros2 bag convert`"),
             Self::Rosbag1 => unsupported("a bag of ROS 1", "convert it to MCAP by `mcap convert`"),
             Self::Csv => unsupported("CSV as a log of bytes", "read it as rows"),
         }
@@ -145,6 +163,7 @@ impl fmt::Display for Format {
             Self::Hdf5 => "an HDF5 file",
             Self::Sqlite => "an SQLite file",
             Self::Rosbag1 => "a bag of ROS 1",
+            Self::Can => "a CAN log",
         })
     }
 }
@@ -155,7 +174,15 @@ impl Log {
     /// # Errors
     /// [`RecordingError`], with the file and what to do.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        Self::read_from(&shown(path), Source::open(path)?)
+        Self::read_described(path, None)
+    }
+
+    /// Reads all channels of the file at `path`; the file `dbc` describes the frames of a CAN log.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with the file and what to do.
+    pub fn read_described(path: &Path, dbc: Option<&Path>) -> Result<Self, RecordingError> {
+        Self::read_with(&shown(path), Source::open(path)?, dbc)
     }
 
     /// Reads all channels from `input`; `file` is its name in messages.
@@ -163,6 +190,10 @@ impl Log {
     /// # Errors
     /// [`RecordingError`], with the file and what to do.
     pub fn read_from(file: &str, input: impl Read) -> Result<Self, RecordingError> {
+        Self::read_with(file, input, None)
+    }
+
+    fn read_with(file: &str, input: impl Read, dbc: Option<&Path>) -> Result<Self, RecordingError> {
         let failed = |error: std::io::Error| FileError::reading(file, &error);
         let mut input = unpacked(input).map_err(failed)?;
         let mut head = Vec::new();
@@ -170,21 +201,31 @@ impl Log {
         let format = Format::of(&head);
         let whole = head.as_slice().chain(input);
         match format {
-            Some(format) => foreign(file, format, whole),
+            Some(format) => foreign(file, format, whole, dbc),
             None => csv::read(file, whole),
         }
     }
 }
 
-/// Reads a log that is not CSV.
-pub(super) fn foreign(file: &str, format: Format, input: impl Read) -> Result<Log, RecordingError> {
+/// What describes the frames of a CAN log.
+#[cfg(feature = "logs")]
+type Frames = can_dbc::Dbc;
+#[cfg(not(feature = "logs"))]
+type Frames = ();
+
+/// Reads a log that is not CSV; the file `dbc` describes the frames of a CAN log.
+pub(super) fn foreign(file: &str, format: Format, input: impl Read, dbc: Option<&Path>) -> Result<Log, RecordingError> {
+    #[cfg(feature = "logs")]
+    let frames = dbc.map(dbc::read).transpose()?;
+    #[cfg(not(feature = "logs"))]
+    let frames: Option<Frames> = dbc.map(|_| ());
     let mut bytes = Vec::new();
     let read = input.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes);
     read.map_err(|error| FileError::reading(file, &error))?;
     let all = if bytes.len() > MAX_BYTES {
         Err(Fault::TooLarge { what: "bytes", most: MAX_BYTES })
     } else {
-        format.log(&bytes)
+        format.log(&bytes, frames.as_ref())
     };
     Ok(all.map_err(|fault| fault.of(file, format))?)
 }

@@ -32,7 +32,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Log, Fault> {
 fn refused(error: &ParquetError) -> Fault {
     // It names the feature or the codec that is not there.
     let text = error.to_string().to_uppercase();
-    let packing = ["ZSTD", "BROTLI", "LZO"].into_iter().find(|name| text.contains(name));
+    let packing = ["BROTLI", "LZO"].into_iter().find(|name| text.contains(name));
     match packing {
         Some(name) => {
             let what = format!("Parquet packed by {name}");

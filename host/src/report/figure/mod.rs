@@ -2,12 +2,15 @@
 
 mod bars;
 mod bins;
+mod bode;
 mod column;
 mod decimate;
 mod fold;
 mod ladder;
 mod loops;
 mod panel;
+#[cfg(feature = "command")]
+mod raster;
 mod scale;
 mod sheet;
 mod stack;
@@ -15,10 +18,13 @@ mod style;
 
 pub use bars::{Bar, bars};
 pub use bins::bins;
+pub use bode::{Reading, bode};
 pub use column::Column;
 pub use fold::fold;
 pub use ladder::{Step, ladder};
 pub use loops::{Loop, loops};
+#[cfg(feature = "command")]
+pub use raster::RasterError;
 pub use scale::Scale;
 pub use sheet::Sheet;
 pub use stack::{Series, Strip, stack, stack_over};
@@ -91,6 +97,15 @@ impl Figure {
             crate::report::text::escape(&self.title),
             crate::report::text::escape(&self.caption)
         )
+    }
+
+    /// The figure as a picture: wide, at twice its size, in the light colours.
+    ///
+    /// # Errors
+    /// [`RasterError`].
+    #[cfg(feature = "command")]
+    pub fn png(&self) -> Result<Vec<u8>, RasterError> {
+        raster::png(&self.title, &self.file())
     }
 
     /// The figure as a file of its own: wide, on its own background, light or dark as the reader's setting is.

@@ -48,6 +48,12 @@ impl Files {
             }
             CliCommand::Look(a) => {
                 files.reads.clone_from(&a.files);
+                files.reads.extend(a.columns.dbc.clone());
+                files.writes = target(&a.figure);
+            }
+            CliCommand::Bode(a) => {
+                files.reads.clone_from(&a.recordings);
+                files.reads.extend(a.columns.dbc.clone());
                 files.writes = target(&a.figure);
             }
             CliCommand::Sinefit(a) => {
