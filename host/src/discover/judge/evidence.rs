@@ -180,7 +180,7 @@ impl Sums {
 }
 
 /// z of the blocks' gains: their mean over its standard error; 0 of fewer than four.
-pub(super) fn z(gains: Vec<f64>) -> f64 {
+fn z(gains: Vec<f64>) -> f64 {
     let n = gains.len() as f64;
     if n < 4.0 {
         return 0.0;

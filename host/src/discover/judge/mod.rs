@@ -7,7 +7,6 @@ pub mod evidence;
 pub mod library;
 pub mod reading_age;
 pub mod regression;
-pub mod repetition;
 mod review;
 pub mod ruling;
 pub mod search;

@@ -5,7 +5,6 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::regression::rms;
-use super::repetition::{Repetition, repetition};
 use super::search::{Bearing, Judged, Outcome, Round, Tried, judge};
 use super::settings::Settings;
 use super::start::{self, Errors};
@@ -58,8 +57,6 @@ pub struct Remainder {
     pub bandwidth_hz: f64,
     /// The rms over what the sensor's noise makes of it.
     pub over_noise: f64,
-    /// What of it repeats with the drive, in the windows that named; `None` where no drive repeats.
-    pub repetition: Option<Repetition>,
     /// Largest z over blocks, on the side that tells less, of anything that was tried beside the final model.
     pub significance: f64,
 }
@@ -194,11 +191,8 @@ pub fn rule_from(
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
         of_recordings: None,
-        remainder: Remainder {
-            repetition: repetition(form, &own.fitted.u.residual),
-            ..remainder(&dataset, own, narrowest, predictable.next_back(), settings)
-                .or_else(|| remainder_of(form, own, None))?
-        },
+        remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
+            .or_else(|| remainder_of(form, own, None))?,
     })
 }
 
@@ -314,7 +308,6 @@ fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) ->
         share,
         bandwidth_hz: bandwidth_hz(form.half_width_s),
         over_noise: left / noise.max(f64::MIN_POSITIVE),
-        repetition: None,
         significance: own.rounds.last().map_or(0.0, significance),
     })
 }
