@@ -56,20 +56,25 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
 
-/// Whether the measured forces speak against each of the names. They do so only where they named nothing themselves,
-/// and where more is left of them than the sensor makes. Two things speak against a name. Its z is far below zero on
-/// one side at least; or a decoy gains much more, and something predictable is left. Nothing is said against a name
-/// without columns, or against bristles.
+/// Whether the measured forces speak against each of the names.
 fn speak_against(ruling: &Ruling, small: &Discovery) -> bool {
+    small.effects.iter().all(|named| speaks_against(ruling, named.kind))
+}
+
+/// Whether the measured forces speak against an effect. They do so only where they named nothing themselves, and where
+/// more is left of them than the sensor makes. Two things speak against an effect. Its z is far below zero on one side at
+/// least; or a decoy gains much more, and something predictable is left. Nothing is said against an effect without
+/// columns, or against bristles.
+pub(super) fn speaks_against(ruling: &Ruling, kind: Kind) -> bool {
     let unnamed = if ruling.remainder.predictable.is_some() { ruling.decoy_gain } else { 0.0 };
     let outdone = Settings::default().decoy * unnamed;
     let speaks = |own: &Candidacy| own.z < AGAINST || own.gain < outdone;
-    let against = |kind: Kind| ruling.candidates.iter().any(|own| own.kind == kind && speaks(own));
     // A bristle may bend by less than the sensor's noise. The measured motion does not tell its force then.
-    let told = |kind: Kind| weighs(kind) && !kind.bristles();
+    let told = weighs(kind) && !kind.bristles();
     ruling.findings.is_empty()
         && ruling.remainder.over_noise > FORCE
-        && small.effects.iter().all(|named| told(named.kind) && against(named.kind))
+        && told
+        && ruling.candidates.iter().any(|own| own.kind == kind && speaks(own))
 }
 
 /// The same where there is no discovery of the measured forces. The names must come down to the noise. In open loop

@@ -154,13 +154,14 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
 /// off by a tooth. Where random torque explains what is left, only effects that act in less than a window remain: the
 /// forces have weighed the others. They have not where they hardly tell the inertia, or where they see an effect that is
-/// too small to be named.
+/// too small to be named. An effect against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
         return Vec::new();
     }
     let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken();
-    Kind::ALL.iter().copied().filter(|kind| !(shaken && weighs(*kind))).collect()
+    let idle = |kind: Kind| shaken && weighs(kind) || corroboration::speaks_against(ruling, kind);
+    Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }
 
 /// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. A

@@ -167,20 +167,24 @@ impl Sums {
     pub(super) fn gain(&self) -> Gain {
         let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
         let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
-        let saved = |blocks: &[[f64; 2]]| z(blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect());
+        let saved = |blocks: &[[f64; 2]]| {
+            let each: Vec<f64> = blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect();
+            z(&each)
+        };
         let z = saved(&self.flat).max(saved(&self.local));
         Gain { flat: nats(&self.flat), local: nats(&self.local), z }
     }
 
     /// z over the logarithms of the shares that are left of the blocks.
     pub(super) fn z_of_shares(&self) -> f64 {
-        let shares = self.flat.iter().filter(|b| b[0] > 0.0 && b[1] > 0.0).map(|b| (b[0] / b[1]).ln());
-        z(shares.collect())
+        let both = self.flat.iter().filter(|b| b[0] > 0.0 && b[1] > 0.0);
+        let shares: Vec<f64> = both.map(|b| (b[0] / b[1]).ln()).collect();
+        z(&shares)
     }
 }
 
 /// z of the blocks' gains: their mean over its standard error; 0 of fewer than four.
-fn z(gains: Vec<f64>) -> f64 {
+fn z(gains: &[f64]) -> f64 {
     let n = gains.len() as f64;
     if n < 4.0 {
         return 0.0;

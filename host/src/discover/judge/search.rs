@@ -340,7 +340,10 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     // Share of the drive that a term predicts.
     let predicted = |gain: f64| left * (1.0 - (-2.0 * gain).exp()).sqrt();
     let strongest = |tried: &[Tried]| {
+        // A wave of another amplitude in each recording is no wave, and predicts nothing of a further recording.
+        let is_one = |t: &&Tried| !t.terms[0].own_zeros || t.rejection() != Some(Rejection::Amplitude);
         let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0 && t.evidence[0].z() >= bar_z(t));
+        let alone = alone.filter(is_one);
         let seen = alone.map(|t| (t, t.evidence[0].u.flat));
         let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
         seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)
