@@ -1,7 +1,7 @@
 //! What the judge weighed, round by round: `cargo run -p breakaway-tests --example rounds -- --machines cicese --splits all`.
 //!
-//! Each line is a term or a pair: its gains on side U and side A (over all rows, and where it acts), z, the disagreement
-//! of the sides, ρ², its parameters, and why it is no name.
+//! Each line is a term or a pair. It has the gains on side U and side A, over all rows and where the term acts. Then come
+//! z, the disagreement of the sides, ρ², the parameters, and why it is no name.
 
 use std::slice;
 

@@ -1,5 +1,5 @@
 //! Names that several recordings give alone. Recordings that excite nothing of an effect may hide it from a ruling on all
-//! of them together: a ramp tells nothing of bristles, and a hundred ramps outvote three slow sines.
+//! of them together. Ramps tell nothing of bristles, and a hundred of them outvote three slow sines.
 
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
@@ -10,9 +10,8 @@ use crate::recording::Recording;
 /// Fewest recordings that must give a name alone.
 const LEAST: usize = 2;
 
-/// The ruling on the recordings that name the same effect alone. The name needs three things: at least two such
-/// recordings, no recording that names another effect first, and that they name it together too, with one set of
-/// parameters. `rule` rules on recordings.
+/// The ruling on the recordings that name the same effect alone. At least two recordings must name it first, and no other
+/// may name another effect. They must also name it together, with one set of parameters. `rule` rules on recordings.
 pub(super) fn replicated(
     recordings: &[Recording],
     rule: impl Fn(&[Recording]) -> Option<Ruling> + Sync,

@@ -7,7 +7,7 @@ use super::super::weak_form::Field;
 use super::Library;
 
 /// Damping ratio above which a second body is no coupling. Less than a tenth of an oscillation is then left after a
-/// period, as of something that yields, and the contact of a gap looks like that.
+/// period. Something that yields does that, and so does the contact of a gap.
 pub const MOST_DAMPING: f64 = 0.35;
 /// Points of the grid of a second body's angular frequencies.
 const BODIES: usize = 27;
