@@ -133,6 +133,10 @@ fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: b
     (1.0, a.forces[index].clone())
 }
 
+/// Share of a block's sum of squares below which a difference is the rounding of numbers. A term that changes nothing
+/// then has no z, on any machine.
+const ROUNDING: f64 = 1e-9;
+
 /// Sums of squares in every block, before and after a term: over all rows, and with every row weighted by the term's own
 /// energy.
 pub(super) struct Sums {
@@ -168,7 +172,9 @@ impl Sums {
         let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
         let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
         let saved = |blocks: &[[f64; 2]]| {
-            let each: Vec<f64> = blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect();
+            let each = blocks.iter().filter(|b| b[0] > 0.0);
+            let each: Vec<f64> =
+                each.map(|b| if (b[0] - b[1]).abs() > ROUNDING * b[0] { b[0] - b[1] } else { 0.0 }).collect();
             z(&each)
         };
         let z = saved(&self.flat).max(saved(&self.local));

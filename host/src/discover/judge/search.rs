@@ -319,10 +319,14 @@ pub(super) fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Trie
     best
 }
 
+/// Parts of a nat in which gains are compared. The rounding of numbers, which differs from one machine to another, must
+/// not choose among equals.
+const PARTS: f64 = 1e9;
+
 /// Order of what was tried: consistent ones first, then by the smaller gain.
 fn rank(tried: &Tried) -> f64 {
     if tried.gain.is_finite() {
-        tried.gain + if tried.rejection().is_none() { 10.0 } else { 0.0 }
+        (tried.gain * PARTS).round() / PARTS + if tried.rejection().is_none() { 10.0 } else { 0.0 }
     } else {
         f64::NEG_INFINITY
     }
