@@ -12,13 +12,13 @@ use breakaway::discover::judge::search::{Tried, judge};
 use breakaway::discover::judge::settings::Settings;
 use breakaway::discover::judge::weak_form::WeakForm;
 use breakaway::discover::ruled::{radians, ruled};
-use breakaway::recording::{Recording, in_session_order};
 use breakaway_hidden::Role;
-use breakaway_tests::blind::{self, recordings};
+use breakaway_tests::blind::recordings;
 use breakaway_tests::machines::catalogue::MACHINES;
 use breakaway_tests::machines::reading;
 use breakaway_tests::machines::splits::{splits, taken};
 use breakaway_tests::measured_data;
+use breakaway_tests::requests::{cases, request};
 use clap::Parser;
 
 #[derive(Parser)]
@@ -74,7 +74,6 @@ fn line(tried: &Tried) -> String {
 /// Requests by their names: of real machines, and of sessions of the unkind world.
 fn requests(asked: &Asked) -> Vec<(String, Request)> {
     let mut all = Vec::new();
-    let request = |recordings: &[Recording]| Request { recordings: in_session_order(recordings), ..Request::default() };
     let machines = MACHINES.into_iter().filter(|own| asked.machines.iter().any(|name| own.name.starts_with(name)));
     for machine in machines {
         let Some(sources) = measured_data().and_then(|data| reading::read(machine, &data).ok()) else { continue };
@@ -90,19 +89,12 @@ fn requests(asked: &Asked) -> Vec<(String, Request)> {
         }
     }
     if let Some(seeds) = &asked.seeds {
-        let option = |name: &str| match name {
-            "seeds" => Some(seeds.clone()),
-            "world" => Some(asked.world.clone()),
-            "drawn" if !asked.clean => Some("1".to_owned()),
-            "effects" if asked.clean => Some("none".to_owned()),
-            _ => None,
-        };
-        let cases = blind::asked::Asked::from_options(option).and_then(|asked| asked.cases());
-        for case in cases.unwrap_or_else(|error| panic!("{error}")) {
+        let cases = cases(seeds, &asked.world, asked.clean).unwrap_or_else(|error| panic!("{error}"));
+        all.extend(cases.iter().map(|case| {
             let (session, truth) = case.generate_with_truth();
             let hidden: Vec<&str> = truth.effects.iter().map(|effect| effect.hidden.name()).collect();
-            all.push((format!("{} {}", case.seed, hidden.join("+")), request(&recordings(&session, Role::Fit))));
-        }
+            (format!("{} {}", case.seed, hidden.join("+")), request(&recordings(&session, Role::Fit)))
+        }));
     }
     all
 }

@@ -9,11 +9,8 @@ use breakaway::discover::engine::Request;
 use breakaway::discover::judge::ruling::{Finding, Ruling};
 use breakaway::discover::judge::settings::Settings;
 use breakaway::discover::ruled::ruled;
-use breakaway::recording::{Recording, in_session_order};
 use breakaway_core::plant::Kind;
-use breakaway_hidden::{Case, Role, Setting};
-use breakaway_tests::blind::asked::Asked;
-use breakaway_tests::blind::recordings;
+use breakaway_hidden::{Case, Setting};
 use breakaway_tests::blind::rows::Row;
 use breakaway_tests::blind::rules::lead;
 use breakaway_tests::machines::catalogue::MACHINES;
@@ -22,6 +19,7 @@ use breakaway_tests::machines::splits::{Split, taken};
 use breakaway_tests::machines::truth::Truth;
 use breakaway_tests::machines::{Machine, reading};
 use breakaway_tests::measured_data;
+use breakaway_tests::requests::{cases, of_case, request};
 use clap::Parser;
 
 #[derive(Parser)]
@@ -72,10 +70,6 @@ fn names(ruling: &Ruling) -> Vec<Named> {
     ruling.findings.iter().map(named).collect()
 }
 
-fn request(recordings: &[Recording]) -> Request {
-    Request { recordings: in_session_order(recordings), ..Request::default() }
-}
-
 fn judged(request: &Request, settings: &Settings) -> Option<Ruling> {
     let units = request.recordings.first()?.units.clone();
     ruled(request, &units, settings).ruling
@@ -91,25 +85,9 @@ fn machines() -> Vec<(&'static Machine, Request)> {
 }
 
 fn sessions(seeds: &str, clean: bool) -> Vec<(Case, Request)> {
-    let option = |name: &str| {
-        let value = match name {
-            "seeds" => seeds,
-            "world" => "unkind",
-            "drawn" if !clean => "1",
-            "effects" if clean => "none",
-            _ => return None,
-        };
-        Some(value.to_owned())
-    };
-    let asked = Asked::from_options(option).unwrap_or_else(|error| panic!("{error}"));
-    let cases = asked.cases().unwrap_or_else(|error| panic!("{error}"));
-    cases
-        .into_iter()
-        .map(|case| {
-            let own = request(&recordings(&case.generate_with_truth().0, Role::Fit));
-            (case, own)
-        })
-        .collect()
+    let cases = cases(seeds, "unkind", clean).unwrap_or_else(|error| panic!("{error}"));
+    let requests: Vec<Request> = cases.iter().map(of_case).collect();
+    cases.into_iter().zip(requests).collect()
 }
 
 /// A session's names as a row of the blind matrix, which knows what the world excuses.

@@ -9,6 +9,7 @@ pub mod fuzz;
 pub mod machines;
 pub mod markdown;
 pub mod papers;
+pub mod requests;
 pub mod robustness;
 pub mod robustness_page;
 pub mod sentences;

@@ -295,6 +295,17 @@ mod tests {
 
     use super::*;
 
+    /// A tenth of the drive, or twice the sensor's noise, may be left at random where all is explained. Where only some
+    /// recordings give the name, nothing is said of the others.
+    #[test]
+    fn much_that_is_left_is_not_explained() {
+        let of = |left: [f64; 2]| verdict(&Ruling::naming(&[Kind::Cogging], left));
+        assert_eq!([of([0.09, 50.0]), of([0.3, 1.9])], [Verdict::Explained; 2]);
+        assert_eq!(of([0.11, 50.0]), Verdict::PartlyExplained);
+        let some = Ruling { of_recordings: Some([2, 5]), ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
+        assert_eq!(verdict(&some), Verdict::PartlyExplained);
+    }
+
     /// A virtual board's forces gave 3.0855 waves for 3. The number becomes whole along an angle; it does not along a
     /// slide, or for an effect that was known before.
     #[test]

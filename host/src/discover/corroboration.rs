@@ -50,15 +50,10 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if small.effects.is_empty() {
         return small.down_to_the_noise() && ruling.is_some_and(Ruling::tells_nothing_is_missing);
     }
-    if ruling.is_some_and(|ruling| speak_against(ruling, small)) {
+    if ruling.is_some_and(|ruling| small.effects.iter().all(|named| speaks_against(ruling, named.kind))) {
         return false;
     }
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
-}
-
-/// Whether the measured forces speak against each of the names.
-fn speak_against(ruling: &Ruling, small: &Discovery) -> bool {
-    small.effects.iter().all(|named| speaks_against(ruling, named.kind))
 }
 
 /// Whether the measured forces speak against an effect. They do so only where they named nothing themselves, and where

@@ -32,3 +32,33 @@ pub(super) fn replicated(
     let together = rule(&own).filter(|ruling| first(ruling) == Some(name))?;
     Some(Ruling { of_recordings: Some([own.len(), recordings.len()]), ..together })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is named alone, by the recordings' names, and what those that name something name together.
+    fn ruling(recordings: &[Recording], alone: &[Option<Kind>], together: Option<Kind>) -> Ruling {
+        let name = match recordings {
+            [one] => alone[one.name.parse::<usize>().unwrap()],
+            _ => together,
+        };
+        Ruling::naming(name.as_slice(), [0.05, 9.0])
+    }
+
+    fn of(alone: &[Option<Kind>], together: Option<Kind>) -> Option<[usize; 2]> {
+        let recordings: Vec<Recording> =
+            (0..alone.len()).map(|i| Recording { name: i.to_string(), ..Recording::default() }).collect();
+        replicated(&recordings, |own| Some(ruling(own, alone, together)))?.of_recordings
+    }
+
+    #[test]
+    fn two_recordings_that_agree_alone_and_together_give_a_name() {
+        let (dahl, spring) = (Some(Kind::Dahl), Some(Kind::Spring));
+        assert_eq!(of(&[None, dahl, None, dahl], dahl), Some([2, 4]));
+        assert_eq!(of(&[None, dahl, None, None], dahl), None, "one recording");
+        assert_eq!(of(&[spring, dahl, None, dahl], dahl), None, "another name");
+        assert_eq!(of(&[None, dahl, None, dahl], None), None, "not together");
+        assert_eq!(of(&[dahl, dahl], dahl), None, "these are all recordings, which were asked together before");
+    }
+}

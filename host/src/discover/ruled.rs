@@ -27,13 +27,15 @@ pub struct Ruled {
 }
 
 /// Rules on a request, beside the effects of its model. Positions move only where a law of the position shows that each
-/// recording had its own zero.
+/// recording had its own zero. Where all recordings together name nothing, the ruling is on those that name something
+/// alone.
 pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
     let (mut request, age_s) = on_the_sensors_clock(request, settings);
-    let rule = |request: &Request, half_width_s: f64| {
-        rule_beside(request, request.model.as_ref(), half_width_s, units, settings)
+    let known = request.model.clone();
+    let rule = |recordings: &[Recording], half_width_s: f64| {
+        rule_beside(recordings, known.as_ref(), half_width_s, units, settings)
     };
-    let mut ruling = rule(&request, 0.0);
+    let mut ruling = rule(&request.recordings, 0.0);
     let mut rezeroed = false;
     // A second law of the position may tell the zeros better than the first did.
     for _ in 0..REZEROED {
@@ -44,7 +46,10 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
         moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
         rezeroed = true;
         // Narrower windows named nothing before, so they name nothing now.
-        ruling = rule(&request, own.half_width_s);
+        ruling = rule(&request.recordings, own.half_width_s);
+    }
+    if ruling.as_ref().is_none_or(|ruling| ruling.findings.is_empty()) {
+        ruling = replicated(&request.recordings, |own| rule(own, 0.0)).or(ruling);
     }
     Ruled { request, ruling, age_s, rezeroed }
 }
@@ -54,29 +59,21 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
 /// from the recordings.
 pub(super) fn leaves_random_torque(request: &Request, model: &Candidate, ruling: &Ruling, units: &Units) -> bool {
     let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
-    let again = || rule_beside(request, Some(model), ruling.half_width_s, units, &Settings::default());
+    let again = || rule_beside(&request.recordings, Some(model), ruling.half_width_s, units, &Settings::default());
     !bodies && again().is_some_and(|again| again.findings.is_empty() && again.shaken())
 }
 
-/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s. Where all recordings
-/// together name nothing, it is what several of them name alone.
+/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s.
 fn rule_beside(
-    request: &Request,
+    recordings: &[Recording],
     known: Option<&Candidate>,
     half_width_s: f64,
     units: &Units,
     settings: &Settings,
 ) -> Option<Ruling> {
     let rule = |recordings: &[Recording]| rule_from(recordings, radians(units), half_width_s, settings);
-    let left = known.map(|known| without_effects(&request.recordings, known));
-    let recordings = left.as_deref().unwrap_or(&request.recordings);
-    let all = rule(recordings);
-    let silent = all.as_ref().is_none_or(|ruling| ruling.findings.is_empty());
-    let ruling = silent.then(|| replicated(recordings, rule)).flatten().or(all);
-    match known {
-        Some(known) => ruling.map(|ruling| ruling.beside(&known.effects)),
-        None => ruling,
-    }
+    let Some(known) = known else { return rule(recordings) };
+    rule(&without_effects(recordings, known)).map(|ruling| ruling.beside(&known.effects))
 }
 
 /// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.

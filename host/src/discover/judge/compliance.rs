@@ -6,10 +6,11 @@
 //! explains y by u̇: noise in the drive biases it, as noise in the motion biases side U. A bristle says the same
 //! stiffness σ on both.
 
-use super::evidence::{Evidence, Gain, Sums};
+use super::evidence::{Bar, Evidence, Rejection, floor_ratio, is_physical};
+use super::gain::{Gain, Sums};
 use super::regression::{Design, rms};
 use super::settings::Settings;
-use super::sides::{Fitted, Model, by_speed};
+use super::sides::{Fitted, Model, Side, by_speed};
 use super::term::{Column, Term};
 use super::weak_form::WeakForm;
 
@@ -60,6 +61,31 @@ pub(super) fn weigh(
     let short = *stroke <= LONGEST_STROKE * form.travel();
     let disagreement = if short { (1.0 - stiffness[1] / stiffness[0]).abs() } else { f64::INFINITY };
     Some(Evidence { u, a: gain, disagreement, coherence, rejection: None })
+}
+
+/// Why a bristle cannot be named, by the evidence of sides U and C; `None` if only rivals can speak against it.
+pub(super) fn rejection(
+    form: &WeakForm<'_>,
+    u: &Side,
+    (term, index): (&Term, usize),
+    evidence: &Evidence,
+    bar: &Bar,
+    settings: &Settings,
+) -> Option<Rejection> {
+    let enough = bar.reached_by(evidence) && evidence.z() >= settings.least_z(term.chosen_of);
+    if !is_physical(form, u, u) {
+        Some(Rejection::Base)
+    } else if u.amplitudes[index].first().is_none_or(|force| *force <= 0.0) {
+        Some(Rejection::Amplitude)
+    } else if evidence.coherence < settings.coherence {
+        Some(Rejection::Coherence)
+    } else if evidence.disagreement >= settings.disagreement {
+        Some(Rejection::Disagreement(evidence.disagreement))
+    } else if !enough {
+        Some(Rejection::Gain)
+    } else {
+        (floor_ratio(form, u) >= 0.5).then_some(Rejection::Floor)
+    }
 }
 
 #[cfg(test)]

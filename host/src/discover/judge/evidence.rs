@@ -1,22 +1,12 @@
 //! The evidence for a term, and the reasons not to believe it.
 
 use super::compliance;
+use super::gain::{Gain, Sums};
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Side, Weights};
 use super::term::{Shape, Sign, Term};
 use super::weak_form::WeakForm;
-
-/// Gains of one side.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Gain {
-    /// ½·ln(RSS₀/RSS₁) over all rows, held out, nats.
-    pub flat: f64,
-    /// The same with every row weighted by the effect's own energy.
-    pub local: f64,
-    /// z over blocks, the larger of both.
-    pub z: f64,
-}
 
 /// Why a term cannot be named.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,14 +87,14 @@ pub fn weigh(
 ) -> Evidence {
     let term = &model.terms[index];
     let (lag_u, own_u) = own_force(before, after, term, index, true);
-    let (_, own_a) = own_force(before, after, term, index, false);
     let u = Sums::new(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u).gain();
     if compliance::takes_the_place(term, before, settings)
         && let Some(mut evidence) = compliance::weigh(form, after, (model, index), u, settings)
     {
-        evidence.rejection = rejection_of_bristle(form, after, (term, index), &evidence, bar, settings);
+        evidence.rejection = compliance::rejection(form, &after.u, (term, index), &evidence, bar, settings);
         return evidence;
     }
+    let (_, own_a) = own_force(before, after, term, index, false);
     let a = Sums::new(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a).gain();
     let difference: Vec<f64> = own_u.iter().zip(&own_a).map(|(u, a)| u - a).collect();
     // Side A has no force of its own for a second body. Its gain must be like side U's instead.
@@ -133,101 +123,9 @@ fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: b
     (1.0, a.forces[index].clone())
 }
 
-/// Share of a block's sum of squares below which a difference is the rounding of numbers. A term that changes nothing
-/// then has no z, on any machine.
-const ROUNDING: f64 = 1e-9;
-
-/// Sums of squares in every block, before and after a term: over all rows, and with every row weighted by the term's own
-/// energy.
-pub(super) struct Sums {
-    flat: Vec<[f64; 2]>,
-    local: Vec<[f64; 2]>,
-}
-
-impl Sums {
-    /// The sums of the residuals `before`, times `shrink`, and `after`; `own` is the term's force.
-    pub(super) fn new(
-        form: &WeakForm<'_>,
-        weights: &[f64],
-        (before, shrink): (&[f64], f64),
-        after: &[f64],
-        own: &[f64],
-    ) -> Self {
-        let n = weights.len();
-        let (mut flat, mut local) = (vec![[0.0; 2]; form.blocks], vec![[0.0; 2]; form.blocks]);
-        let energy = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / n as f64;
-        for (i, row) in form.rows.iter().enumerate() {
-            let (r0, r1) = ((weights[i] * before[i] * shrink).powi(2), (weights[i] * after[i]).powi(2));
-            let e = (own[i] * weights[i]).powi(2) / energy.max(f64::MIN_POSITIVE);
-            flat[row.block][0] += r0;
-            flat[row.block][1] += r1;
-            local[row.block][0] += e * r0;
-            local[row.block][1] += e * r1;
-        }
-        Self { flat, local }
-    }
-
-    /// The gains, with z over the differences of the blocks.
-    pub(super) fn gain(&self) -> Gain {
-        let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
-        let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
-        let saved = |blocks: &[[f64; 2]]| {
-            let each = blocks.iter().filter(|b| b[0] > 0.0);
-            let each: Vec<f64> =
-                each.map(|b| if (b[0] - b[1]).abs() > ROUNDING * b[0] { b[0] - b[1] } else { 0.0 }).collect();
-            z(&each)
-        };
-        let z = saved(&self.flat).max(saved(&self.local));
-        Gain { flat: nats(&self.flat), local: nats(&self.local), z }
-    }
-
-    /// z over the logarithms of the shares that are left of the blocks.
-    pub(super) fn z_of_shares(&self) -> f64 {
-        let both = self.flat.iter().filter(|b| b[0] > 0.0 && b[1] > 0.0);
-        let shares: Vec<f64> = both.map(|b| (b[0] / b[1]).ln()).collect();
-        z(&shares)
-    }
-}
-
-/// z of the blocks' gains: their mean over its standard error; 0 of fewer than four.
-fn z(gains: &[f64]) -> f64 {
-    let n = gains.len() as f64;
-    if n < 4.0 {
-        return 0.0;
-    }
-    let mean = gains.iter().sum::<f64>() / n;
-    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
-}
-
-/// Why a bristle cannot be named beside a model that does not tell the inertia. Side C has taken the place of side A.
-fn rejection_of_bristle(
-    form: &WeakForm<'_>,
-    after: &Fitted,
-    (term, index): (&Term, usize),
-    evidence: &Evidence,
-    bar: &Bar,
-    settings: &Settings,
-) -> Option<Rejection> {
-    let enough = bar.reached_by(evidence) && evidence.z() >= settings.least_z(term.chosen_of);
-    if !is_physical(form, &after.u, &after.u) {
-        Some(Rejection::Base)
-    } else if !(after.u.amplitudes[index].first().is_some_and(|force| *force > 0.0)) {
-        Some(Rejection::Amplitude)
-    } else if evidence.coherence < settings.coherence {
-        Some(Rejection::Coherence)
-    } else if evidence.disagreement >= settings.disagreement {
-        Some(Rejection::Disagreement(evidence.disagreement))
-    } else if !enough {
-        Some(Rejection::Gain)
-    } else {
-        (floor_ratio(form, after) >= 0.5).then_some(Rejection::Floor)
-    }
-}
-
 /// Whether c and f1 of a side are not below zero by more than three standard errors. Their forces are compared with the
 /// target of side U.
-fn is_physical(form: &WeakForm<'_>, side: &Side, u: &Side) -> bool {
+pub(super) fn is_physical(form: &WeakForm<'_>, side: &Side, u: &Side) -> bool {
     let little = -0.01 * rms(&u.target);
     let [c_error, f1_error] = side.base_errors.map(|error| 3.0 * error);
     (side.c + c_error) * form.v95 >= little && side.f1 + f1_error >= little
@@ -272,7 +170,7 @@ fn rejection(
     if !bar.reached_by(evidence) || z < settings.least_z(term.chosen_of) {
         return Some(Rejection::Gain);
     }
-    (floor_ratio(form, after) >= 0.5).then_some(Rejection::Floor)
+    (floor_ratio(form, &after.u) >= 0.5).then_some(Rejection::Floor)
 }
 
 fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
@@ -303,19 +201,19 @@ fn waves_differ(amplitudes: &[f64], errors: &[f64]) -> bool {
 }
 
 /// Residual energy of side U over that of a fit without the motion: a mean and a direction.
-pub fn floor_ratio(form: &WeakForm<'_>, fitted: &Fitted) -> f64 {
+pub fn floor_ratio(form: &WeakForm<'_>, u: &Side) -> f64 {
     let direction = &form.row_direction;
-    let u = &fitted.u.target;
-    let n = u.len() as f64;
-    let (su, sd) = (u.iter().sum::<f64>() / n, direction.iter().sum::<f64>() / n);
+    let drive = &u.target;
+    let n = drive.len() as f64;
+    let (su, sd) = (drive.iter().sum::<f64>() / n, direction.iter().sum::<f64>() / n);
     let (mut cross, mut square, mut total) = (0.0, 0.0, 0.0);
-    for (u, d) in u.iter().zip(direction) {
+    for (u, d) in drive.iter().zip(direction) {
         cross += (u - su) * (d - sd);
         square += (d - sd).powi(2);
         total += (u - su).powi(2);
     }
     let left = total - if square > 0.0 { cross * cross / square } else { 0.0 };
-    fitted.u.residual.iter().map(|r| r * r).sum::<f64>() / left.max(f64::MIN_POSITIVE)
+    u.residual.iter().map(|r| r * r).sum::<f64>() / left.max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ mod compliance;
 pub mod dataset;
 pub mod direction;
 pub mod evidence;
+pub mod gain;
 pub mod library;
 pub mod reading_age;
 pub mod regression;

@@ -1,7 +1,6 @@
 //! Cross-validated weighted least squares over the windows.
 
 use std::borrow::Cow;
-
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -112,15 +111,22 @@ fn blocks_of(form: &WeakForm<'_>) -> Vec<(usize, Range<usize>)> {
     blocks
 }
 
-/// Sum of products. Eight sums run side by side, which a processor adds at once.
+/// Sum of products, see [`dot_from`].
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, b) = (&a[..a.len().min(b.len())], &b[..a.len().min(b.len())]);
+    dot_from(a, b, 0.0)
+}
+
+/// Sum of the products of `a` with what `b` is above a reference, over the shorter of both. Eight sums run side by side,
+/// because a processor adds them at once.
+#[inline]
+pub(super) fn dot_from(a: &[f64], b: &[f64], reference: f64) -> f64 {
+    let n = a.len().min(b.len());
+    let (a8, b8) = (a[..n].chunks_exact(8), b[..n].chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * (y - reference)).sum();
     let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
     for (x, y) in a8.zip(b8) {
-        for j in 0..8 {
-            sums[j] += x[j] * y[j];
+        for ((sum, x), y) in sums.iter_mut().zip(x).zip(y) {
+            *sum += x * (y - reference);
         }
     }
     sums.iter().sum::<f64>() + rest

@@ -16,7 +16,7 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
     while j < stage.model.terms.len() {
         let Name::Effect(own) = stage.model.terms[j].name else { return Some(stage) };
         let beside = without(&stage, j)?;
-        let tried = beside.weighed(vec![stage.model.terms[j].clone()], &Bar::OPEN);
+        let tried = beside.weighed(stage.model.terms[j].clone(), &Bar::OPEN);
         let alone = stage.model.terms.len() == 1;
         let Some(tried) = tried.filter(|tried| alone || tried.rejection() != Some(Rejection::Gain)) else {
             bearings.remove(j);
@@ -49,5 +49,5 @@ fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind]) -> Vec<Tried> {
     let rival = |kind| kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind));
     let library = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights);
     let rivals = library.of_effects(rival).into_par_iter().filter(|term| matches!(term.name, Name::Effect(_)));
-    best_of_each(rivals.filter_map(|term| beside.weighed(vec![term], &Bar::OPEN)).collect(), beside.settings)
+    best_of_each(rivals.filter_map(|term| beside.weighed(term, &Bar::OPEN)).collect(), beside.settings)
 }

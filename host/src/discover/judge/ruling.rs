@@ -311,3 +311,34 @@ fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) ->
         significance: own.rounds.last().map_or(0.0, significance),
     })
 }
+
+#[cfg(test)]
+impl Ruling {
+    /// A ruling that names these effects, with nothing predictable left; `share` of the drive and `over_noise` are.
+    pub(crate) fn naming(kinds: &[Kind], [share, over_noise]: [f64; 2]) -> Self {
+        let finding = |kind: &Kind| Finding {
+            effect: Effect::new(*kind, &[1.0]),
+            errors: [f64::NAN; _],
+            held: Vec::new(),
+            own_zeros: false,
+            tied: Vec::new(),
+            gain: 1.0,
+            z: 9.0,
+        };
+        let remainder =
+            Remainder { predictable: None, rms_u: share, share, bandwidth_hz: 1.0, over_noise, significance: 0.0 };
+        Self {
+            base: Base { b: 1.0, c: 1.0, f1: 1.0 },
+            findings: kinds.iter().map(finding).collect(),
+            seen: Vec::new(),
+            candidates: Vec::new(),
+            decoy_gain: 0.0,
+            residual_u: [1.0, share],
+            residual_a: [1.0, share],
+            coherence: 1.0,
+            half_width_s: 0.1,
+            remainder,
+            of_recordings: None,
+        }
+    }
+}

@@ -156,38 +156,43 @@ impl<'a> Stage<'a> {
         model.fit(self.form, &self.weights, self.settings)
     }
 
-    /// Gains of new terms beside the model, and the evidence for each beside the others.
-    pub(super) fn weighed(&self, terms: Vec<Term>, bar: &Bar) -> Option<Tried> {
-        let model = terms.iter().fold(self.model.clone(), |model, term| model.with(term));
+    /// The evidence for the `index`-th term of a model: `before` is fitted without it, `after` with it.
+    fn evidence(&self, before: &Fitted, after: &Fitted, model: (&Model, usize), bar: &Bar) -> Evidence {
+        weigh(self.form, &self.weights, before, after, model, bar, self.settings)
+    }
+
+    /// The evidence for a new term beside the model.
+    pub(super) fn weighed(&self, term: Term, bar: &Bar) -> Option<Tried> {
+        let model = self.model.with(&term);
         let after = self.fit(&model)?;
+        let evidence = self.evidence(&self.fitted, &after, (&model, self.model.terms.len()), bar);
+        self.tried(vec![term], vec![evidence], evidence.gain(), &after)
+    }
+
+    /// The evidence for two new terms, each beside the other; `fitted` is the fit of the model with the first. `None` where
+    /// the second gains far too little beside the first, or the motion is not physical with both.
+    fn weighed_pair(&self, (one, fitted): (&Term, &Fitted), other: Term, bar: &Bar) -> Option<Tried> {
         let known = self.model.terms.len();
-        let mut evidence = Vec::new();
-        for i in 0..terms.len() {
-            let others = Model {
-                terms: model
-                    .terms
-                    .iter()
-                    .enumerate()
-                    .filter(|(j, _)| *j != known + i)
-                    .map(|(_, t)| t.clone())
-                    .collect(),
-            };
-            let before = if terms.len() == 1 { self.fitted.clone() } else { self.fit(&others)? };
-            evidence.push(weigh(self.form, &self.weights, &before, &after, (&model, known + i), bar, self.settings));
+        let model = self.model.with(one).with(&other);
+        let after = self.fit(&model)?;
+        let second = self.evidence(fitted, &after, (&model, known + 1), bar);
+        let possible = !matches!(second.rejection, Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+        if !possible || second.gain() <= self.settings.tie * bar.flat {
+            return None;
         }
-        let gain = if terms.len() == 1 {
-            evidence[0].gain()
-        } else {
-            let nats = |before: &[f64], after: &[f64], weights: &[f64]| {
-                let square = |r: &[f64]| r.iter().zip(weights).map(|(r, w)| (r * w).powi(2)).sum::<f64>();
-                0.5 * (square(before) / square(after).max(f64::MIN_POSITIVE)).ln()
-            };
-            nats(&self.fitted.u.residual, &after.u.residual, &self.weights.u).min(nats(
-                &self.fitted.a.residual,
-                &after.a.residual,
-                &self.weights.a,
-            ))
+        let without_one = self.fit(&self.model.with(&other))?;
+        let first = self.evidence(&without_one, &after, (&model, known), bar);
+        let nats = |before: &[f64], after: &[f64], weights: &[f64]| {
+            let square = |r: &[f64]| r.iter().zip(weights).map(|(r, w)| (r * w).powi(2)).sum::<f64>();
+            0.5 * (square(before) / square(after).max(f64::MIN_POSITIVE)).ln()
         };
+        let gain_u = nats(&self.fitted.u.residual, &after.u.residual, &self.weights.u);
+        let gain_a = nats(&self.fitted.a.residual, &after.a.residual, &self.weights.a);
+        self.tried(vec![one.clone(), other], vec![first, second], gain_u.min(gain_a), &after)
+    }
+
+    /// New terms with their evidence; `None` where the gain is no number.
+    fn tried(&self, terms: Vec<Term>, evidence: Vec<Evidence>, gain: f64, after: &Fitted) -> Option<Tried> {
         let blocks = |residual: &[f64], weights: &[f64]| {
             let mut sums = vec![0.0; self.form.blocks];
             for ((row, r), w) in self.form.rows.iter().zip(residual).zip(weights) {
@@ -202,8 +207,7 @@ impl<'a> Stage<'a> {
     /// Every term of the library alone.
     fn singles(&self) -> (Vec<Tried>, Bar) {
         let terms = Library::new(self.form, &self.model, &self.fitted, &self.weights).terms();
-        let mut all: Vec<Tried> =
-            terms.into_par_iter().filter_map(|term| self.weighed(vec![term], &Bar::OPEN)).collect();
+        let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(term, &Bar::OPEN)).collect();
         let bar = self.bar(&all);
         for tried in &mut all {
             let e = &mut tried.evidence[0];
@@ -246,26 +250,10 @@ impl<'a> Stage<'a> {
             let terms = Library::new(self.form, &beside, &fitted, &self.weights).partners();
             let pairs =
                 terms.into_par_iter().filter(|t| matches!(t.name, Name::Effect(_)) && t.name != one.terms[0].name);
-            let worth = |term: &Term| self.gains_beside(&beside, &fitted, term, bar);
-            all.extend(
-                pairs
-                    .filter(worth)
-                    .filter_map(|term| self.weighed(vec![one.terms[0].clone(), term], bar))
-                    .collect::<Vec<_>>(),
-            );
+            let weighed = pairs.filter_map(|term| self.weighed_pair((&one.terms[0], &fitted), term, bar));
+            all.extend(weighed.collect::<Vec<_>>());
         }
         best_of_each(all, self.settings)
-    }
-
-    /// Whether a term can hold in a pair beside the last term of `beside`. It cannot where it gains far too little there, or
-    /// the motion is not physical with it. That takes one fit; the evidence for the pair takes three.
-    fn gains_beside(&self, beside: &Model, fitted: &Fitted, term: &Term, bar: &Bar) -> bool {
-        let model = beside.with(term);
-        let Some(after) = self.fit(&model) else { return false };
-        let index = model.terms.len() - 1;
-        let evidence = weigh(self.form, &self.weights, fitted, &after, (&model, index), bar, self.settings);
-        let possible = !matches!(evidence.rejection, Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
-        possible && evidence.gain() > self.settings.tie * bar.flat
     }
 
     fn round(&self) -> Round {
@@ -346,8 +334,8 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
     let strongest = |tried: &[Tried]| {
         // A wave of another amplitude in each recording is no wave, and predicts nothing of a further recording.
         let is_one = |t: &&Tried| !t.terms[0].own_zeros || t.rejection() != Some(Rejection::Amplitude);
-        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0 && t.evidence[0].z() >= bar_z(t));
-        let alone = alone.filter(is_one);
+        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0).filter(is_one);
+        let alone = alone.filter(|t| t.evidence[0].z() >= bar_z(t));
         let seen = alone.map(|t| (t, t.evidence[0].u.flat));
         let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
         seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)

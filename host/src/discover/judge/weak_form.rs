@@ -8,7 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::dataset::{Dataset, Piece};
 use super::direction::sliding;
-use super::regression::dot;
+use super::regression::{dot, dot_from};
 use super::settings::Settings;
 
 /// A quantity at every sample of every piece.
@@ -54,17 +54,7 @@ impl Kernels {
     /// The weighted sum of the samples about `k`, each less that at `k`.
     #[inline]
     fn at(&self, weights: &[f64], x: &[f64], k: usize) -> f64 {
-        let reference = x[k];
-        let x = &x[k - self.half..][..weights.len()];
-        let mut sums = [0.0; 4];
-        let (w4, x4) = (weights.chunks_exact(4), x.chunks_exact(4));
-        let rest: f64 = w4.remainder().iter().zip(x4.remainder()).map(|(w, x)| w * (x - reference)).sum();
-        for (w, x) in w4.zip(x4) {
-            for j in 0..4 {
-                sums[j] += w[j] * (x[j] - reference);
-            }
-        }
-        sums.iter().sum::<f64>() + rest
+        dot_from(weights, &x[k - self.half..], x[k])
     }
 }
 

@@ -13,7 +13,6 @@ use crate::fit::Candidate;
 const LEAST_OF_A_SAMPLE: f64 = 0.01;
 /// Share of the inertia below which a second body is not believed.
 const LEAST_BODY: f64 = 0.02;
-
 /// Largest rise of the friction at rest over the Coulomb friction: three times the largest from which a search starts.
 /// Without sliding friction there is nothing to break away from.
 const MOST_RISE: f64 = 10.0;

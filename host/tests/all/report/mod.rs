@@ -5,7 +5,7 @@ mod sample;
 
 use std::path::Path;
 
-use breakaway::discover::outcome::{Discovery, Force};
+use breakaway::discover::outcome::{Discovery, Force, Verdict};
 use breakaway::fit::Candidate;
 use breakaway::report::discovery;
 use breakaway::report::json::Document;
@@ -224,6 +224,28 @@ fn an_error_that_grows_does_not_fall() {
     sample.ladder.reverse();
     let sentence = discovery::sentence::sentence(&sample);
     assert!(sentence.contains("rises from") && !sentence.contains("falls"), "{sentence}");
+}
+
+/// Much that is left, and that nothing predicts, is not called random where the verdict is *partly explained*.
+#[test]
+fn much_that_is_left_is_not_called_random() {
+    let force = Force {
+        drive: [0.8, 0.25],
+        acceleration: [1.0, 0.7],
+        coherence: 0.4,
+        half_width_s: 0.03,
+        random: 0.7,
+        random_share: 0.24,
+        bandwidth_hz: 3.0,
+        predictable: None,
+    };
+    let mut sample = sample::explained();
+    (sample.force, sample.verdict, sample.noise_floor) = (Some(force), Verdict::PartlyExplained, 1e-5);
+    let partly = discovery::sentence::sentence(&sample);
+    assert!(partly.ends_with("a force of 24 % of the drive; nothing that was tried predicts it."), "{partly}");
+    sample.verdict = Verdict::Explained;
+    let random = discovery::sentence::sentence(&sample);
+    assert!(random.ends_with("What is left is random force of 24 % of the drive."), "{random}");
 }
 
 /// An unknown whose best coordinate predicts 1 % says that none does, and names no place.
