@@ -35,12 +35,15 @@ struct Asked {
     /// Half-widths of the windows, s; that of the ruling where none is given
     #[arg(long, value_delimiter = ',')]
     half_widths_s: Vec<f64>,
-    /// Sessions of a world with one to three effects of 10 %, or none with `--clean`
+    /// Sessions of a world; each hides one to three effects where `--effects` is not given
     #[arg(long)]
     seeds: Option<String>,
-    /// The sessions hide nothing
+    /// What each session hides: `cogging,delay+spring,none`
     #[arg(long)]
-    clean: bool,
+    effects: Option<String>,
+    /// Per cent of the drive
+    #[arg(long, default_value = "10")]
+    sizes: String,
     /// The sessions' world
     #[arg(long, default_value = "unkind")]
     world: String,
@@ -89,11 +92,15 @@ fn requests(asked: &Asked) -> Vec<(String, Request)> {
         }
     }
     if let Some(seeds) = &asked.seeds {
-        let cases = cases(seeds, &asked.world, asked.clean).unwrap_or_else(|error| panic!("{error}"));
+        let cases = cases(seeds, &asked.world, asked.effects.as_deref(), &asked.sizes)
+            .unwrap_or_else(|error| panic!("{error}"));
         all.extend(cases.iter().map(|case| {
             let (session, truth) = case.generate_with_truth();
             let hidden: Vec<&str> = truth.effects.iter().map(|effect| effect.hidden.name()).collect();
-            (format!("{} {}", case.seed, hidden.join("+")), request(&recordings(&session, Role::Fit)))
+            (
+                format!("{} {} {} %", case.seed, hidden.join("+"), truth.size_percent),
+                request(&recordings(&session, Role::Fit)),
+            )
         }));
     }
     all

@@ -17,16 +17,18 @@ pub fn of_case(case: &Case) -> Request {
     request(&recordings(&case.generate_with_truth().0, Role::Fit))
 }
 
-/// A case of each seed in a world, with one to three effects of 10 %, or with none where it is `clean`.
+/// A case of each seed in a world for each of `effects` (`none` hides nothing), or with one to three drawn effects where
+/// none is given. `sizes` are per cent of the drive.
 ///
 /// # Errors
 /// Which word cannot be read, in words.
-pub fn cases(seeds: &str, world: &str, clean: bool) -> Result<Vec<Case>, String> {
+pub fn cases(seeds: &str, world: &str, effects: Option<&str>, sizes: &str) -> Result<Vec<Case>, String> {
     let option = |name: &str| match name {
         "seeds" => Some(seeds.to_owned()),
         "world" => Some(world.to_owned()),
-        "drawn" if !clean => Some("1".to_owned()),
-        "effects" if clean => Some("none".to_owned()),
+        "sizes" => Some(sizes.to_owned()),
+        "drawn" if effects.is_none() => Some("1".to_owned()),
+        "effects" => effects.map(str::to_owned),
         _ => None,
     };
     Asked::from_options(option)?.cases()

@@ -1,14 +1,16 @@
-//! Noise of the position, and jitter of the clock, from the residuals of the smoothed motion.
+//! Noise of the position, and jitter of the clock, from residuals of the smoothed motion.
 
 use super::settings::SPEED_CLASSES;
 use super::statistics::median;
 
-/// Standard deviation of the position's noise, from the residuals of the local cubic. It is the median of their mean
-/// squares over blocks in motion. So reversals, switching edges and quantised rest do not count.
-pub(super) fn noise(residuals: &[f64], velocity: &[f64], half: usize) -> f64 {
-    let points = (2 * half + 1) as f64;
-    // Share of a sample's own noise that the cubic takes up at its centre.
-    let leverage = (2.25 / points).min(0.9);
+/// Share of a sample's own noise that a local cubic over ±`half` samples takes up at its centre.
+pub(super) fn leverage(half: usize) -> f64 {
+    (2.25 / (2 * half + 1) as f64).min(0.9)
+}
+
+/// Standard deviation of the position's noise, from residuals that lack the share `leverage` of it. It is the median of
+/// their mean squares over blocks in motion. So reversals, switching edges and quantised rest do not count.
+pub(super) fn noise(residuals: &[f64], velocity: &[f64], leverage: f64) -> f64 {
     let typical = median(velocity.iter().map(|v| v.abs()).collect());
     let blocks = residuals.chunks(64).zip(velocity.chunks(64)).filter(|(r, _)| r.len() == 64);
     let mean_square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>() / r.len() as f64;
@@ -21,10 +23,15 @@ pub(super) fn noise(residuals: &[f64], velocity: &[f64], half: usize) -> f64 {
     (median(squares) / (1.0 - leverage)).sqrt()
 }
 
-/// Noise at rest and jitter of the clock, s, from the residuals of the local cubic. Over classes of speed they are σ² +
-/// (jitter·v)². `None` where the residuals do not grow with speed.
-pub(super) fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option<(f64, f64)> {
-    let leverage = (2.25 / (2 * half + 1) as f64).min(0.9);
+/// Share of the misfit of a constant noise that jitter may leave where the stamps are regular. A pure σ² + (jitter·v)²
+/// leaves the scatter of the classes alone, less than a tenth. Residuals of quantised positions grow up to the speed
+/// at which each row is of another step, and then no more: there jitter leaves more than a half.
+const REGULAR: f64 = 0.25;
+
+/// Noise at rest and jitter of the clock, s, from the same residuals. Over classes of speed they are σ² + (jitter·v)².
+/// `None` where the residuals do not grow with speed. Stamps that are `regular` may be nominal. The residuals alone tell
+/// then, and must follow that law.
+pub(super) fn jitter(residuals: &[f64], velocity: &[f64], leverage: f64, regular: bool) -> Option<(f64, f64)> {
     let mut order: Vec<usize> = (0..residuals.len()).collect();
     order.sort_by(|a, b| velocity[*a].abs().total_cmp(&velocity[*b].abs()));
     // (mean square speed, variance) of every class. The median is used, so that reversals do not count.
@@ -43,5 +50,13 @@ pub(super) fn jitter(residuals: &[f64], velocity: &[f64], half: usize) -> Option
         .map(|(speed, variance)| (variance - square * speed).max(0.1 * variance))
         .fold(f64::INFINITY, f64::min);
     let fastest = classes.last()?.0;
-    (rest > 0.0 && square * fastest > rest).then(|| (rest.sqrt(), square.sqrt()))
+    let lawful = || misfit(&classes, |speed| rest + square * speed) < REGULAR * misfit(&classes, |_| 1.0);
+    (rest > 0.0 && square * fastest > rest && (!regular || lawful())).then(|| (rest.sqrt(), square.sqrt()))
+}
+
+/// Variance of the logarithms of the classes' variances over those of a law of the square speed.
+fn misfit(classes: &[(f64, f64)], law: impl Fn(f64) -> f64) -> f64 {
+    let logs: Vec<f64> = classes.iter().map(|(speed, variance)| (variance / law(*speed)).ln()).collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / logs.len() as f64
 }

@@ -54,7 +54,7 @@ impl Library<'_> {
                 terms.push(arriving(Kind::PwmDeadTime, Arrival::DeadTime(own), &own));
             }
         }
-        for share in [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+        for share in [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.99] {
             let limit = share * largest;
             terms.push(arriving(Kind::Saturation, Arrival::Limit(limit), &[limit]));
         }
