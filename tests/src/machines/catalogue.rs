@@ -157,8 +157,8 @@ pub const HSM150: Machine = Machine {
     columns: columns("u_Nm", "x_rad"),
     groups: &[],
     // The steady speeds of these files tell an asymmetry too. Between two of them the drive rises by 0.09 mN·m·s/rad one
-    // way, and by 0.19 and 0.22 the other.
-    truth: Truth::lead(&[Kind::ConstantLoad], &[Kind::AsymmetricViscous]),
+    // way, and by 0.19 and 0.22 the other. Order tracking shows forces once and twice a turn in each file (its test).
+    truth: Truth::lead(&[Kind::ConstantLoad], &[Kind::AsymmetricViscous, Kind::Cogging]),
     known: &[Known::new(Some(Kind::ConstantLoad), "f0", 0.009, README).unsigned()],
 };
 
