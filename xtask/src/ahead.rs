@@ -35,7 +35,7 @@ pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
             let _ = cross::build(toolchain, build);
         }
         if go_on() {
-            let _ = web::compile();
+            let _ = web::page();
         }
     });
     Taken { time: start.elapsed(), processor_s: processor::time_beside_s() }
