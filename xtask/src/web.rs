@@ -16,14 +16,20 @@ const PROFILE: &str = "wasm";
 const WRITTEN: [&str; 4] = ["index.html", "page.js", "style.css", "worker.js"];
 
 /// Compiles what the browser runs; its file.
-pub fn compile() -> Result<PathBuf> {
+fn compile() -> Result<PathBuf> {
     cross::install_wasm()?;
     run(&mut cargo(["build", "--package", "breakaway-web", "--target", cross::WASM, "--profile", PROFILE]))?;
     Ok(target_folder().join(cross::WASM).join(PROFILE).join("breakaway_web.wasm"))
 }
 
-/// Builds the page.
+/// Builds the page, and says where it is.
 pub fn build() -> Result<()> {
+    println!("{}", page()?.display());
+    Ok(())
+}
+
+/// Builds the page; its file.
+pub fn page() -> Result<PathBuf> {
     let wasm = compile()?;
     let folder = folder();
     if folder.exists() {
@@ -38,8 +44,7 @@ pub fn build() -> Result<()> {
         let from = root().join("web/page").join(name);
         fs::copy(&from, folder.join(name)).with_context(|| from.display().to_string())?;
     }
-    println!("{}", folder.join("index.html").display());
-    Ok(())
+    Ok(folder.join("index.html"))
 }
 
 /// Builds the page and finds a Chromium for its tests. Without the target or a browser the tests are not run, but in CI that

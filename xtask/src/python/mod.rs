@@ -4,9 +4,10 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 
 use crate::cross::target_folder;
 use crate::fleet::environment;
@@ -89,7 +90,6 @@ pub fn test(pythons: &Pythons) -> (Tests, Result<()>) {
         install(&pythons.tester, &wheel(pythons)?)?;
         let folder = target_folder().join("python-tests");
         fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        types(&pythons.tester, &folder)?;
         Ok(folder)
     };
     let folder = match ready() {
@@ -98,9 +98,15 @@ pub fn test(pythons: &Pythons) -> (Tests, Result<()>) {
     };
     let mut tests = Command::new(&pythons.tester);
     tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--color", "no"]);
-    tests.arg(root().join("python/tests")).current_dir(folder).env("PYTHONDONTWRITEBYTECODE", "1");
+    tests.arg(root().join("python/tests")).current_dir(&folder).env("PYTHONDONTWRITEBYTECODE", "1");
     tests.env("BREAKAWAY_COMMAND", target_folder().join("debug").join(format!("breakaway{}", env::consts::EXE_SUFFIX)));
-    run_counting(&mut tests)
+    thread::scope(|scope| {
+        // mypy uses one processor, and pytest the other.
+        let types = scope.spawn(|| types(&pythons.tester, &folder));
+        let (counted, result) = run_counting(&mut tests);
+        let types = types.join().unwrap_or_else(|_| Err(anyhow!("who waits for mypy has panicked")));
+        (counted, result.and(types))
+    })
 }
 
 /// `cargo xtask python-test`.
