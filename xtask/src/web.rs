@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::chromium;
 use crate::cross::{self, target_folder};
+use crate::notices::{self, Product};
 use crate::report::Report;
 use crate::run::{cargo, root, run};
 
@@ -38,6 +39,7 @@ pub fn build() -> Result<()> {
         let from = root().join("web/page").join(name);
         fs::copy(&from, folder.join(name)).with_context(|| from.display().to_string())?;
     }
+    notices::write(Product::Page)?;
     println!("{}", folder.join("index.html").display());
     Ok(())
 }
@@ -79,6 +81,6 @@ pub fn test() -> Result<()> {
 }
 
 /// Where the page is.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     target_folder().join("web")
 }
