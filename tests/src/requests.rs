@@ -2,9 +2,9 @@
 
 use breakaway::discover::engine::Request;
 use breakaway::recording::{Recording, in_session_order};
-use breakaway_hidden::{Case, Role};
+use breakaway_hidden::{Case, Experiment, Role, Setting};
 
-use crate::blind::asked::Asked;
+use crate::blind::asked::{Asked, range};
 use crate::blind::recordings;
 
 /// A request on these recordings alone.
@@ -22,12 +22,14 @@ pub fn of_case(case: &Case) -> Request {
 /// # Errors
 /// Which word cannot be read, in words.
 pub fn cases(seeds: &str, world: &str, clean: bool) -> Result<Vec<Case>, String> {
-    let option = |name: &str| match name {
-        "seeds" => Some(seeds.to_owned()),
-        "world" => Some(world.to_owned()),
-        "drawn" if !clean => Some("1".to_owned()),
-        "effects" if clean => Some("none".to_owned()),
-        _ => None,
+    let asked = Asked {
+        experiment: vec![Experiment::Suite],
+        sizes: vec![10.0],
+        seeds: range(seeds).map_err(|error| format!("{seeds}: {error}"))?,
+        effects: if clean { vec!["none".to_owned()] } else { Vec::new() },
+        pairs: 0,
+        drawn: usize::from(!clean),
+        world: Setting::named(world).map_err(|error| error.to_string())?,
     };
-    Asked::from_options(option)?.cases()
+    asked.cases()
 }
