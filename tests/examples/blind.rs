@@ -1,14 +1,11 @@
 //! The blind matrix, a line per case and the tables: `cargo xtask blind --sizes 3,10 --seeds 1..5 --effects a,b+c,none`.
 //!
-//! `--world unkind` makes it in the unkind world, `--world unkind:jitter,torque` with these items alone.
-//! With `--csv FILE` cases that the file holds already are not run again; `--table` only draws the tables of the file.
-//! `--pairs N` hides N random pairs instead, `--drawn N` one, two or three random effects in N cases of each seed.
-//! `--jobs N` works on N cases at once, each on one core: the seconds are then those of one core. `--limit N`, with one
-//! job, gives a case up after N s of the processor. Its row is written, and the program ends with code 3. Begun again,
-//! the program goes on with the next case.
+//! `--help` says what each option does. The table alone is drawn by `--csv FILE --table`.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -18,15 +15,30 @@ use breakaway_tests::blind::asked::Asked;
 use breakaway_tests::blind::limit::{Clock, Watch};
 use breakaway_tests::blind::rows::{HEADER, Row, UNKIND_HEADER};
 use breakaway_tests::blind::{in_words, run_watched, table};
+use clap::Parser;
 
-/// The value of an option, given without its dashes.
-fn option(name: &str) -> Option<String> {
-    let all: Vec<String> = std::env::args().collect();
-    all.iter().position(|a| a.strip_prefix("--") == Some(name)).and_then(|i| all.get(i + 1).cloned())
-}
-
-fn flag(name: &str) -> bool {
-    std::env::args().any(|a| a == name)
+/// Discover blind cases: the hidden plant, scored against its sealed truth. It prints a line per case, and the tables
+#[derive(Parser)]
+#[command(name = "blind")]
+struct Options {
+    #[command(flatten)]
+    asked: Asked,
+    /// File of the rows; cases that it holds already are not run again
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Only draw the tables of the file
+    #[arg(long, requires = "csv")]
+    table: bool,
+    /// Work on this many cases at once, each on one core: the seconds are then those of one core
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    jobs: u16,
+    /// Give a case up after this processor time, s. Its row is written, and the program ends with code 3; begun again, it
+    /// goes on with the next case. With one job alone
+    #[arg(long, value_name = "SECONDS")]
+    limit: Option<f64>,
+    /// Each step of a discovery, and what it found
+    #[arg(long)]
+    verbose: bool,
 }
 
 fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
@@ -61,7 +73,7 @@ fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
 }
 
 /// Writes the row of a case that took too long, and ends.
-fn give_up(row: &Row, file: Option<&str>) {
+fn give_up(row: &Row, file: Option<&Path>) {
     println!("long  {}", row.line());
     if let Some(mut file) = file.and_then(|f| OpenOptions::new().append(true).open(f).ok()) {
         let _ = writeln!(file, "{}", row.line());
@@ -69,40 +81,47 @@ fn give_up(row: &Row, file: Option<&str>) {
     std::process::exit(3);
 }
 
-fn main() {
-    let file = option("csv");
-    let text = file.as_ref().and_then(|f| std::fs::read_to_string(f).ok()).unwrap_or_default();
+fn run(options: &Options) -> Result<(), String> {
+    let unwritten = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
+    let text = match &options.csv {
+        Some(path) if path.exists() => std::fs::read_to_string(path).map_err(|error| unwritten(path, error))?,
+        _ => String::new(),
+    };
     let mut known: Vec<Row> = text.lines().filter_map(Row::parse).collect();
-    if flag("--table") {
-        return println!("{}", table::markdown(&known));
+    if options.table {
+        println!("{}", table::markdown(&known));
+        return Ok(());
     }
-    let asked = Asked::from_options(option).unwrap_or_else(|error| panic!("{error}"));
-    let setting = &asked.setting;
-    let mut todo = asked.cases().unwrap_or_else(|error| panic!("{error}"));
+    let alone = options.jobs == 1;
+    if options.limit.is_some() && !alone {
+        return Err("--limit is the time of one case, and needs --jobs 1".to_owned());
+    }
+    let setting = &options.asked.world;
+    let mut todo = options.asked.cases()?;
     todo.retain(|case| !known.iter().any(|row| row.is_of(case, setting)));
-    let path = file.clone();
-    let mut output = file.map(|f| {
-        let mut open =
-            OpenOptions::new().create(true).append(true).open(f).expect("the file of rows cannot be written");
-        if text.is_empty() {
-            let more = if *setting == Setting::Kind { "" } else { UNKIND_HEADER };
-            let _ = writeln!(open, "{HEADER}{more}");
+    let mut output = match &options.csv {
+        Some(path) => {
+            let open = OpenOptions::new().create(true).append(true).open(path);
+            let mut open = open.map_err(|error| unwritten(path, error))?;
+            if text.is_empty() {
+                let more = if *setting == Setting::Kind { "" } else { UNKIND_HEADER };
+                writeln!(open, "{HEADER}{more}").map_err(|error| unwritten(path, error))?;
+            }
+            Some(open)
         }
-        open
-    });
-    let jobs: usize = option("jobs").and_then(|n| n.parse().ok()).unwrap_or(1);
-    let limit: Option<f64> = option("limit").and_then(|n| n.parse().ok()).filter(|_| jobs == 1);
+        None => None,
+    };
     let next = AtomicUsize::new(0);
     let rows: Mutex<Vec<Row>> = Mutex::new(Vec::new());
     let sink = Mutex::new(&mut output);
     let work = &|| {
         while let Some(case) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
             let clock = Clock::start();
-            let watch = limit.map(|limit| {
-                let (row, file) = (Row::given_up(case, setting, limit), path.clone());
+            let watch = options.limit.map(|limit| {
+                let (row, file) = (Row::given_up(case, setting, limit), options.csv.clone());
                 Watch::start(clock, limit, move || give_up(&row, file.as_deref()))
             });
-            let row = one(case, setting, flag("--verbose"), jobs == 1);
+            let row = one(case, setting, options.verbose, alone);
             drop(watch);
             if let Some(file) = sink.lock().expect("no other writer ended badly").as_mut() {
                 let _ = writeln!(file, "{}", row.line());
@@ -110,18 +129,29 @@ fn main() {
             rows.lock().expect("no other worker ended badly").push(row);
         }
     };
-    if jobs > 1 {
+    if alone {
+        work();
+    } else {
         std::thread::scope(|scope| {
-            for _ in 0..jobs {
+            for _ in 0..options.jobs {
                 scope.spawn(|| match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
                     Ok(pool) => pool.install(work),
                     Err(error) => eprintln!("no thread: {error}"),
                 });
             }
         });
-    } else {
-        work();
     }
     known.extend(rows.into_inner().unwrap_or_default());
     println!("{}", table::markdown(&known));
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
 }

@@ -42,8 +42,8 @@ struct Asked {
     #[arg(long)]
     effects: Option<String>,
     /// Per cent of the drive
-    #[arg(long, default_value = "10")]
-    sizes: String,
+    #[arg(long, value_delimiter = ',', default_value = "10")]
+    sizes: Vec<f64>,
     /// The sessions' world
     #[arg(long, default_value = "unkind")]
     world: String,

@@ -85,7 +85,7 @@ fn machines() -> Vec<(&'static Machine, Request)> {
 }
 
 fn sessions(seeds: &str, clean: bool) -> Vec<(Case, Request)> {
-    let cases = cases(seeds, "unkind", clean.then_some("none"), "10").unwrap_or_else(|error| panic!("{error}"));
+    let cases = cases(seeds, "unkind", clean.then_some("none"), &[10.0]).unwrap_or_else(|error| panic!("{error}"));
     let requests: Vec<Request> = cases.iter().map(of_case).collect();
     cases.into_iter().zip(requests).collect()
 }

@@ -12,6 +12,7 @@ import struct
 import sys
 from pathlib import Path
 
+import can_log
 import h5py
 import numpy as np
 import pyarrow as pa
@@ -274,6 +275,7 @@ def main():
     mcap_json(folder / "json.mcap", t, u, x)
     mcap_protobuf(folder / "protobuf.mcap", t, u, x)
     ulog(folder, t, u, x)
+    can_log.write(folder, t, u, x)
     csv_files(folder, t, u, x)
 
 

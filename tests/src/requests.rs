@@ -2,9 +2,9 @@
 
 use breakaway::discover::engine::Request;
 use breakaway::recording::{Recording, in_session_order};
-use breakaway_hidden::{Case, Role};
+use breakaway_hidden::{Case, Experiment, Role, Setting};
 
-use crate::blind::asked::Asked;
+use crate::blind::asked::{Asked, range};
 use crate::blind::recordings;
 
 /// A request on these recordings alone.
@@ -22,14 +22,15 @@ pub fn of_case(case: &Case) -> Request {
 ///
 /// # Errors
 /// Which word cannot be read, in words.
-pub fn cases(seeds: &str, world: &str, effects: Option<&str>, sizes: &str) -> Result<Vec<Case>, String> {
-    let option = |name: &str| match name {
-        "seeds" => Some(seeds.to_owned()),
-        "world" => Some(world.to_owned()),
-        "sizes" => Some(sizes.to_owned()),
-        "drawn" if effects.is_none() => Some("1".to_owned()),
-        "effects" => effects.map(str::to_owned),
-        _ => None,
+pub fn cases(seeds: &str, world: &str, effects: Option<&str>, sizes: &[f64]) -> Result<Vec<Case>, String> {
+    let asked = Asked {
+        experiment: vec![Experiment::Suite],
+        sizes: sizes.to_vec(),
+        seeds: range(seeds).map_err(|error| format!("{seeds}: {error}"))?,
+        effects: effects.map_or_else(Vec::new, |effects| effects.split(',').map(str::to_owned).collect()),
+        pairs: 0,
+        drawn: usize::from(effects.is_none()),
+        world: Setting::named(world).map_err(|error| error.to_string())?,
     };
-    Asked::from_options(option)?.cases()
+    asked.cases()
 }

@@ -20,7 +20,7 @@ use crate::run::{cargo, root, run};
 const ROWS: usize = 8000;
 /// The logs with the flags that name their columns, and how far a parameter may be off, in itself. Where the stamps are those of
 /// the CSV file, nothing differs. Stamps in µs or since 1970 are rounded by up to 0.5 µs of 1 ms.
-const LOGS: [(&str, &str, f64); 21] = [
+const LOGS: [(&str, &str, f64); 22] = [
     ("plain.npz", "", 0.0),
     ("packed.npz", "", 0.0),
     ("records.npy", "--time array.t --input array.u --position array.x", 0.0),
@@ -42,7 +42,11 @@ const LOGS: [(&str, &str, f64); 21] = [
     ("v73.mat", "--time log.t --input log.u --position log.x", 0.0),
     ("bag.db3", "--time header/stamp --input axis/effort --position axis/position", 1e-6),
     ("humble.db3", "--time header/stamp --input axis/effort --position axis/position", 1e-6),
+    ("can.log", "--dbc can.dbc --input axis/voltage --position axis/position", 1e-6),
 ];
+
+/// The flag of the file that says what frames hold. `look` needs it too.
+const DESCRIPTION: &str = "--dbc";
 
 /// Runs it all.
 pub fn test() -> Result<()> {
@@ -58,23 +62,43 @@ pub fn test() -> Result<()> {
     cut(&data().join("emps/emps_train.csv"), &recording)?;
     let mut write = Command::new(&python);
     run(write.arg(root().join("tests/logs/write_logs.py")).arg(&recording).arg(&folder))?;
-    let wanted = numbers(&identify(&breakaway, &recording, "")?)?;
+    // In their folder the logs, and a description beside one, have names without a blank.
+    let program = || {
+        let mut program = Command::new(&breakaway);
+        program.current_dir(&folder);
+        program
+    };
+    let identified = |log: &str, flags: &str| -> Result<BTreeMap<String, f64>> {
+        numbers(&json(program().args(["identify", log]).args(flags.split_whitespace()).arg("--json"))?)
+    };
+    let looked = |log: &str, flags: &str| {
+        let description = flags.split_whitespace().take(if flags.starts_with(DESCRIPTION) { 2 } else { 0 });
+        json(program().args(["look", log]).args(description).arg("--json"))
+    };
+    let wanted = identified("recording.csv", "")?;
     for (log, flags, tolerance) in LOGS {
-        let path = folder.join(log);
-        let found = numbers(&identify(&breakaway, &path, flags)?)?;
+        let found = identified(log, flags)?;
         for (name, value) in &wanted {
             let off = (found[name] / value - 1.0).abs();
             ensure!(off <= tolerance, "{log}: {name} is {} and not {value}, off by {off:e}", found[name]);
         }
         // The one command that `look` prints does the same.
-        let looked = json(Command::new(&breakaway).arg("look").arg(&path).arg("--json"))?;
+        let looked = looked(log, flags)?;
         let command = looked["files"][0]["command"].as_str().with_context(|| format!("{log}: no command"))?;
         let words = command.split_whitespace().skip(3).collect::<Vec<_>>().join(" ").replace('\'', "");
-        let again = numbers(&identify(&breakaway, &path, &words)?)?;
+        let again = identified(log, &words)?;
         ensure!(again == found, "{log}: `{command}` gives {again:?}, and not {found:?}");
         println!("{log}: {}", listed(&found));
     }
-    ulog(&python, &breakaway, &data().join("logs/px4_sample_log_small.ulg"))?;
+    let frames = serde_json::from_slice(&fs::read(folder.join("can.json"))?)?;
+    let signals = compared(&frames, &looked("can.log", "--dbc can.dbc")?)?;
+    ensure!(signals == 6, "{signals} signals were compared");
+    println!("can.log: {signals} signals have the rows and the range that cantools decodes");
+    let log = data().join("logs/px4_sample_log_small.ulg");
+    let peer = json(Command::new(&python).arg(root().join("tests/logs/read_ulog.py")).arg(&log))?;
+    let channels = compared(&peer, &json(Command::new(&breakaway).arg("look").arg(&log).arg("--json"))?)?;
+    ensure!(channels > 500, "only {channels} channels were compared");
+    println!("px4_sample_log_small.ulg: {channels} channels have the rows and the range that pyulog reads");
     println!("logs-test: {} files, each with the numbers of the CSV file: {}", LOGS.len(), listed(&wanted));
     Ok(())
 }
@@ -102,10 +126,6 @@ fn json(command: &mut Command) -> Result<Value> {
     Ok(serde_json::from_slice(&done.stdout)?)
 }
 
-fn identify(breakaway: &Path, recording: &Path, flags: &str) -> Result<Value> {
-    json(Command::new(breakaway).arg("identify").arg(recording).args(flags.split_whitespace()).arg("--json"))
-}
-
 /// The parameters of a document.
 fn numbers(document: &Value) -> Result<BTreeMap<String, f64>> {
     let one = |name: &&str| {
@@ -119,20 +139,19 @@ fn listed(numbers: &BTreeMap<String, f64>) -> String {
     numbers.iter().map(|(name, value)| format!("{name} {value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The real ULog: all channels that pyulog lists are listed, and the numbers of one are the same.
-fn ulog(python: &Path, breakaway: &Path, log: &Path) -> Result<()> {
-    let peer = json(Command::new(python).arg(root().join("tests/logs/read_ulog.py")).arg(log))?;
-    let looked = json(Command::new(breakaway).arg("look").arg(log).arg("--json"))?;
+/// How many channels of a log, as `look` lists it, were compared with what another package reads: all that it lists are
+/// there, with its rows and its range.
+fn compared(peer: &Value, looked: &Value) -> Result<usize> {
     let channels = looked["files"][0]["channels"].as_array().context("no channels")?;
     let own: BTreeMap<&str, &Value> = channels.iter().filter_map(|c| Some((c["name"].as_str()?, c))).collect();
     let mut compared = 0;
-    for (name, peer) in peer.as_object().context("no channels of pyulog")? {
+    for (name, peer) in peer.as_object().context("no channels of the other package")? {
         let Some(own) = own.get(name.as_str()) else {
             ensure!(name.contains("_padding"), "{name} is not listed");
             continue;
         };
         if let (Some(low), Some(high)) = (peer[1].as_f64(), peer[2].as_f64()) {
-            ensure!(own["rows"] == peer[0], "{name}: {} rows, pyulog has {}", own["rows"], peer[0]);
+            ensure!(own["rows"] == peer[0], "{name}: {} rows, the other package has {}", own["rows"], peer[0]);
             ensure!(
                 own["range"][0].as_f64() == Some(low) && own["range"][1].as_f64() == Some(high),
                 "{name}: {own} {peer}"
@@ -140,7 +159,5 @@ fn ulog(python: &Path, breakaway: &Path, log: &Path) -> Result<()> {
             compared += 1;
         }
     }
-    ensure!(compared > 500, "only {compared} channels were compared");
-    println!("px4_sample_log_small.ulg: {compared} channels have the rows and the range that pyulog reads");
-    Ok(())
+    Ok(compared)
 }

@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `budget`, `web`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`. Tests by themselves are `pico2-test`, `web-test`,
+//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `notices`. Tests by themselves are `pico2-test`, `web-test`,
 //! `fleet-test`, `export-test`, `logs-test`, `python-test`.
 
 mod ahead;
@@ -20,6 +20,7 @@ mod lint;
 mod logs;
 mod loops;
 mod miri;
+mod notices;
 mod processor;
 mod python;
 mod qemu;
@@ -116,6 +117,9 @@ enum Task {
     },
     /// Build the documentation as a site into target/site, with mdBook; its library is compiled the first time
     Site,
+    /// Collect the licences of third-party code, for the archives into notices in the target folder and for the wheels into
+    /// python. `web` writes those of its page
+    Notices,
     /// Run and read exported models with MuJoCo and parsers from PyPI; needs Python
     ExportTest,
     /// Write a recording in every format of a log, and compare what `identify` says of each. The format's own package
@@ -149,6 +153,7 @@ fn main() -> ExitCode {
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::Site => site::build(),
+        Task::Notices => notices::all(),
         Task::ExportTest => export::test(),
         Task::FleetTest => fleet::test(),
         Task::PythonTest => python::all(),

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::chromium;
 use crate::cross::{self, target_folder};
+use crate::notices::{self, Product};
 use crate::report::Report;
 use crate::run::{cargo, root, run};
 
@@ -44,6 +45,7 @@ pub fn page() -> Result<PathBuf> {
         let from = root().join("web/page").join(name);
         fs::copy(&from, folder.join(name)).with_context(|| from.display().to_string())?;
     }
+    notices::write(Product::Page)?;
     Ok(folder.join("index.html"))
 }
 
@@ -84,6 +86,6 @@ pub fn test() -> Result<()> {
 }
 
 /// Where the page is.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     target_folder().join("web")
 }

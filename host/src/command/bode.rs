@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::figures::FiguresArgs;
 use super::output::Output;
 use super::recording_args::{RecordingArgs, positive};
 use crate::file::{FileKind, Target};
@@ -19,7 +20,7 @@ use crate::response::{Estimate, FrequencyResponse, Mode, Point};
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway bode sweep.csv --time t_s --input u_V --position x_rad --figure bode.svg
-  breakaway bode session/*.csv --segment 4 --json
+  breakaway bode session/*.csv --segment 4 --figures figures --json
 
 Spectra are averaged over segments that overlap by half (Welch). A longer segment tells nearer frequencies apart, and gives fewer
 segments to average. Resonances, antiresonances and delay come from a fit where the coherence suffices.
@@ -36,6 +37,9 @@ pub struct Args {
     /// Draw gain, phase and coherence; `-` is standard output
     #[arg(long, value_name = "F.svg")]
     pub figure: Option<Target>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -119,12 +123,15 @@ impl Args {
         let inputs: Vec<_> = self.recordings.iter().map(PathBuf::as_path).collect();
         let targets: Vec<_> = self.figure.iter().map(|target| (target, FileKind::Figure)).collect();
         let output = output.claim(&targets, &inputs)?;
+        self.figures.claim(output, &inputs)?;
         let session = self.columns.read_session(&self.recordings)?;
         let units = &session.recordings[0].units;
         let found = FrequencyResponse::of(&session.recordings, self.segment)?;
+        let figure = || response::figure(&found, units, &session.recordings[0].name);
         if let Some(target) = &self.figure {
-            target.write_text(&response::figure(&found, units, &session.recordings[0].name).file())?;
+            target.write_text(&figure().file())?;
         }
+        self.figures.write(output, &inputs, || vec![figure()])?;
         output
             .print(&Document::new(&found, units, &session.remarks), |_| response::page(&found, units, &session.remarks))
     }

@@ -22,7 +22,7 @@ pub fn higher_order(
     for order in (order + STEP..=HIGHEST).step_by(STEP) {
         let own = differences(order);
         let left = deviation(&own);
-        if !(left < STABLE * best.as_ref().map_or(sigma, |(_, sigma)| *sigma)) {
+        if left >= STABLE * best.as_ref().map_or(sigma, |(_, sigma)| *sigma) {
             break;
         }
         best = Some((own, left));

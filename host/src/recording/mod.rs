@@ -5,6 +5,7 @@
 //! [`ReadOptions`] maps a stranger's columns; [`RecordingError`] names what is wrong with file, line and column.
 
 mod angle;
+pub(crate) mod between;
 mod clock;
 mod container;
 mod error;

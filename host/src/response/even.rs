@@ -1,6 +1,7 @@
 //! Recordings as evenly sampled pieces without gaps.
 
 use super::ResponseError;
+use crate::recording::between::{Integral, position};
 use crate::recording::{EVEN_WITHIN, Recording};
 
 /// Consecutive samples.
@@ -61,24 +62,11 @@ pub(super) fn of(recordings: &[Recording]) -> Result<Even, ResponseError> {
 /// The position by straight lines. The drive is the mean of what is held: it moves the axis as far.
 fn interpolated(t: &[f64], u: &[f64], x: &[f64], interval_s: f64) -> Piece {
     let samples = ((t[t.len() - 1] - t[0]) / interval_s + 1e-9) as usize;
-    // The drive's integral, and the position, at a time.
-    let mut impulse = vec![0.0; t.len()];
-    for k in 1..t.len() {
-        impulse[k] = impulse[k - 1] + u[k - 1] * (t[k] - t[k - 1]);
-    }
-    let mut k = 0;
-    let at: Vec<(f64, f64)> = (0..=samples)
-        .map(|sample| {
-            let time = t[0] + sample as f64 * interval_s;
-            while k + 2 < t.len() && t[k + 1] <= time {
-                k += 1;
-            }
-            let share = (time - t[k]) / (t[k + 1] - t[k]);
-            (impulse[k] + share * (impulse[k + 1] - impulse[k]), x[k] + share * (x[k + 1] - x[k]))
-        })
-        .collect();
+    let at: Vec<f64> = (0..=samples).map(|sample| t[0] + sample as f64 * interval_s).collect();
+    let positions: Vec<f64> = at.iter().map(|at| position(t, x, *at)).collect();
+    let drive = Integral::new(t, |k| u[k]);
     Piece {
-        drive: at.windows(2).map(|pair| (pair[1].0 - pair[0].0) / interval_s).collect(),
-        steps: at.windows(2).map(|pair| pair[1].1 - pair[0].1).collect(),
+        drive: at.windows(2).map(|pair| drive.over(pair[0], pair[1]) / interval_s).collect(),
+        steps: positions.windows(2).map(|pair| pair[1] - pair[0]).collect(),
     }
 }

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 
 use super::settings::Settings;
 use crate::fit::variate_difference::{differences, higher_order};
+use crate::recording::between::{Integral, position};
 use crate::recording::{Recording, share_a_clock};
 
 /// A stretch of a recording without a gap, on an even clock.
@@ -176,45 +177,18 @@ impl Rows<'_> {
         }
         let offset = if average > 1 { 0.5 * h } else { 0.0 };
         let t: Vec<f64> = (0..=count as usize).map(|i| first + offset + i as f64 * h).collect();
-        let held_drive: Vec<f64> = cumulative(self.t, |k| self.u[k]);
-        let drive = |at: f64| integral_at(self.t, &held_drive, |k, dt| self.u[k] * dt, at);
-        let u = t.iter().map(|t| (drive(t + 0.5 * h) - drive(t - 0.5 * h)) / h).collect();
+        // Divided by the interval itself: the two instants are not exactly that far from each other.
+        let drive = Integral::new(self.t, |k| self.u[k]);
+        let u = t.iter().map(|t| drive.over(t - 0.5 * h, t + 0.5 * h) / h).collect();
         let x = if average > 1 {
             let line = |k: usize| 0.5 * (self.x[k] + self.x[(k + 1).min(self.x.len() - 1)]);
-            let sums = cumulative(self.t, line);
-            let position = |at: f64| integral_at(self.t, &sums, |k, dt| line(k) * dt, at);
-            t.iter().map(|t| (position(t + 0.5 * h) - position(t - 0.5 * h)) / h).collect()
+            let positions = Integral::new(self.t, line);
+            t.iter().map(|t| positions.over(t - 0.5 * h, t + 0.5 * h) / h).collect()
         } else {
-            let mut j = 0;
-            t.iter()
-                .map(|t| {
-                    while j + 2 < self.t.len() && self.t[j + 1] <= *t {
-                        j += 1;
-                    }
-                    let share = ((t - self.t[j]) / (self.t[j + 1] - self.t[j])).clamp(0.0, 1.0);
-                    self.x[j] + share * (self.x[j + 1] - self.x[j])
-                })
-                .collect()
+            t.iter().map(|at| position(self.t, self.x, *at)).collect()
         };
         Some((t, x, u))
     }
-}
-
-/// Integral from the first instant to each row. The quantity is held from row to row.
-fn cumulative(t: &[f64], value: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut sums = vec![0.0];
-    for k in 1..t.len() {
-        sum += value(k - 1) * (t[k] - t[k - 1]);
-        sums.push(sum);
-    }
-    sums
-}
-
-/// The same integral up to any instant. Outside of the rows the quantity is that of the first or the last row.
-fn integral_at(t: &[f64], sums: &[f64], part: impl Fn(usize, f64) -> f64, at: f64) -> f64 {
-    let k = t.partition_point(|t| *t <= at).saturating_sub(1);
-    sums[k] + part(k, at - t[k])
 }
 
 /// Standard deviation of the position's noise, from differences of the third order or of the lowest that is high enough.

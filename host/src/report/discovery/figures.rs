@@ -76,7 +76,7 @@ pub(super) fn map_figure(discovery: &Discovery) -> Figure {
     } else {
         "Share of the unexplained force that its average over this coordinate predicts (cross-validated R²)."
     };
-    Figure::new("Where the gap is", caption, |width| bars(width, &rows))
+    Figure::new("Where the gap is", caption, |width| bars(width, "share of the unexplained force", &rows))
 }
 
 /// The residual force over one coordinate.

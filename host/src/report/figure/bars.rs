@@ -15,8 +15,8 @@ pub struct Bar<'a> {
     pub after: Option<f64>,
 }
 
-/// Draws the rows on a scale of 0 to 100 %.
-pub fn bars(width: f64, rows: &[Bar<'_>]) -> Sheet {
+/// Draws the rows on a scale of 0 to 100 %, which `axis` says what of.
+pub fn bars(width: f64, axis: &str, rows: &[Bar<'_>]) -> Sheet {
     let narrow = width < 500.0;
     let two = rows.iter().any(|row| row.after.is_some());
     // A narrow drawing has the labels above the bars, a wide one beside them.
@@ -28,7 +28,7 @@ pub fn bars(width: f64, rows: &[Bar<'_>]) -> Sheet {
     };
     let head = if two { 34.0 } else { 8.0 };
     let span = width - left - 58.0;
-    let mut sheet = Sheet::new(width, head + row_height * rows.len() as f64 + 26.0);
+    let mut sheet = Sheet::new(width, head + row_height * rows.len() as f64 + 46.0);
     if two {
         sheet.rect((4.0, 6.0), (26.0, 11.0), 0.0, "bar-before");
         sheet.text((36.0, 16.0), Anchor::Start, "label", "before");
@@ -71,5 +71,6 @@ pub fn bars(width: f64, rows: &[Bar<'_>]) -> Sheet {
         }
     }
     sheet.line((left, head), (left, bottom), "axis");
+    sheet.text((left + span, bottom + 37.0), Anchor::End, "unit", axis);
     sheet
 }

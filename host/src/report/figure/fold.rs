@@ -41,8 +41,9 @@ pub fn fold(width: f64, x_axis: (&str, &str), y_axis: (&str, &str), points: &[[f
         sheet.curve(&means, "unseen", "measured force");
         for point in points.iter().filter(|point| point[1].is_finite()) {
             let (x, [low, high]) = (panel.px(point[0]), reach(point));
-            sheet.line((x, panel.py(low)), (x, panel.py(high)), "error-before");
             sheet.marker((x, panel.py(point[1])), '■', 3.6, "dot-before");
+            // Over the mark: its edge of paper would cut a short bar into two.
+            sheet.line((x, panel.py(low)), (x, panel.py(high)), "error-before");
         }
     });
     sheet
