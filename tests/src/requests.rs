@@ -17,8 +17,8 @@ pub fn of_case(case: &Case) -> Request {
     request(&recordings(&case.generate_with_truth().0, Role::Fit))
 }
 
-/// A case of each seed in a world for each of `effects` (`none` hides nothing), or with one to three drawn effects where
-/// none is given. `sizes` are per cent of the drive.
+/// A case of each seed in a world for each of `effects`; `none` hides nothing. Without `effects` each case hides one to
+/// three that are drawn. `sizes` are per cent of the drive.
 ///
 /// # Errors
 /// Which word cannot be read, in words.

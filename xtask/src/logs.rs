@@ -139,8 +139,8 @@ fn listed(numbers: &BTreeMap<String, f64>) -> String {
     numbers.iter().map(|(name, value)| format!("{name} {value:.6}")).collect::<Vec<_>>().join(", ")
 }
 
-/// How many channels of a log, as `look` lists it, were compared with what another package reads: all that it lists are
-/// there, with its rows and its range.
+/// How many channels of a log were compared. Of those that another package reads, `look` lists each, with as many rows
+/// and the same range.
 fn compared(peer: &Value, looked: &Value) -> Result<usize> {
     let channels = looked["files"][0]["channels"].as_array().context("no channels")?;
     let own: BTreeMap<&str, &Value> = channels.iter().filter_map(|c| Some((c["name"].as_str()?, c))).collect();

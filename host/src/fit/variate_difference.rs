@@ -76,8 +76,8 @@ mod tests {
         (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt()
     }
 
-    /// Ten rows a period: a difference of order 4 leaves 7 times the noise's deviation, and those of order 8 and more
-    /// leave it within 5 %, two standard deviations of a deviation over 4000 rows that depend on their neighbours.
+    /// Ten rows a period: a difference of order 4 leaves more than 5 times the noise's deviation. The lowest order that is
+    /// high enough leaves it within 5 %. A deviation over 4000 rows that depend on their neighbours is known to 2 %.
     #[test]
     fn a_fast_motion_leaves_the_noise() {
         let (t, x) = sampled(10.0);

@@ -69,8 +69,8 @@ mod tests {
     /// Speed below which a window of six turns is no stretch of even motion, rad/s.
     const STEADY: f64 = 140.0;
 
-    /// Each of the three files has a force once or twice a turn, as a coupling that is not in line makes: 16, 19 and 17
-    /// rad/s², 4 to 46 standard errors. 4 is the judge's least z, and a fifth is that error for the least sure. In the file whose speed varies most it is the same in the slower half and in the
+    /// Each of the three files has a force once or twice a turn, as a coupling that is not in line makes. They are 16, 19
+    /// and 17 rad/s², 4 to 46 standard errors. 4 is the judge's least z, and a fifth is that error for the least sure. In the file whose speed varies most it is the same in the slower half and in the
     /// faster half, whose squared speeds differ by 2.2. So it is a force, and no eccentric encoder.
     #[test]
     fn hsm150_has_forces_once_and_twice_a_turn() {
