@@ -2,7 +2,7 @@
 //! and velocity. Base and effect parameters are fitted jointly (docs/theory.md, section 5; docs/discovery.md, section
 //! 8). The cost is `Σ_segments n/2·log(σ² + mse)`. Its logarithm bounds the influence of any one segment.
 //!
-//! 1. `prepare` makes a [`MeasuredMotion`] of a recording (`smoothing`, `noise`, `variate_difference`); `segments` cuts it.
+//! 1. `prepare` makes a [`MeasuredMotion`] of a recording (`smoothing`, `noise`); `segments` cuts it.
 //! 2. `initial_state` starts every segment from the smoothed motion, `hidden_state` from what effects remember of the motion before.
 //! 3. `simulate` simulates one segment; `normal` does it with numbers that carry derivatives (`dual`): its normal equations.
 //! 4. `equations` eliminates the initial states by Schur complement and solves for the parameters (`prior`: of second bodies).
@@ -33,7 +33,6 @@ mod settings;
 mod simulate;
 mod smoothing;
 mod statistics;
-pub mod variate_difference;
 
 pub use candidate::{Candidate, Free};
 pub use covariance::Covariance;

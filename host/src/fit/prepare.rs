@@ -1,11 +1,10 @@
 //! A recording prepared for estimation: its smoothed motion, its noise and its session time.
 
-use super::noise::{jitter, leverage, noise};
+use super::noise::{jitter, noise};
 use super::settings::{
-    ACCELERATION_S, CUBIC, GAP_INTERVALS, HALF_WIDTH_S, IRREGULAR, LEAST_NOISE, MIN_HALF_SAMPLES, ROUNDING,
+    ACCELERATION_S, GAP_INTERVALS, HALF_WIDTH_S, IRREGULAR, LEAST_NOISE, MIN_HALF_SAMPLES, ROUNDING,
 };
 use super::statistics::{median, root_mean_square};
-use super::variate_difference::{differences, higher_order};
 use crate::recording::{Recording, share_a_clock};
 
 /// A recording with smoothed position, velocity and acceleration. These are starting values, and the motion of the
@@ -86,30 +85,16 @@ impl MeasuredMotion {
         track.typical_acceleration = root_mean_square(change);
         track.typical_speed = root_mean_square(track.vs.iter().copied());
         let least = recording.encoder_step.unwrap_or(0.0) * LEAST_NOISE;
-        let mut leverage = leverage(half);
-        let mut sigma = noise(&residuals, &track.vs, leverage);
-        if let Some(higher) =
-            higher_order((CUBIC, sigma), |order| track.differences(order), |own| noise(own, &track.vs, 0.0))
-        {
-            (residuals, sigma) = higher;
-            leverage = 0.0;
-        }
-        track.sigma = sigma.max(least);
+        track.sigma = noise(&residuals, &track.vs, half).max(least);
         // Lost rows take whole intervals of a regular clock.
         let regular = intervals.iter().all(|dt| (dt / ts - (dt / ts).round().max(1.0)).abs() < IRREGULAR);
-        if let Some((sigma, jitter_s)) = jitter(&residuals, &track.vs, leverage, regular)
+        if let Some((sigma, jitter_s)) = (!regular).then(|| jitter(&residuals, &track.vs, half)).flatten()
             && sigma > ROUNDING * track.x.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
         {
             track.sigma = sigma.max(least);
             track.jitter_s = jitter_s;
         }
         track
-    }
-
-    /// Differences of the position of one order, piece by piece.
-    fn differences(&self, order: usize) -> Vec<f64> {
-        let of = |piece: &[usize]| differences(&self.t[piece[0]..piece[1]], &self.x[piece[0]..piece[1]], order);
-        self.pieces.windows(2).flat_map(of).collect()
     }
 
     /// Noise at rest over the noise at sample `k`, at most 1. At speed v a jittered clock adds jitter·v to the

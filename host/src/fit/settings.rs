@@ -6,9 +6,6 @@ pub(super) const HALF_WIDTH_S: f64 = 0.010;
 /// Fewest samples to either side of a local cubic. Nine points carry four coefficients and a residual.
 pub(super) const MIN_HALF_SAMPLES: usize = 4;
 
-/// Order of the differences that are zero for a cubic.
-pub(super) const CUBIC: usize = 4;
-
 /// Median intervals from which a longer one is a gap. A few lost rows are none.
 pub(super) const GAP_INTERVALS: f64 = 5.0;
 /// Largest difference of an interval from a whole number of median ones, as a share of the median. One larger

@@ -7,7 +7,6 @@
 use std::sync::OnceLock;
 
 use super::settings::Settings;
-use crate::fit::variate_difference::{differences, higher_order};
 use crate::recording::between::{Integral, position};
 use crate::recording::{Recording, share_a_clock};
 
@@ -191,26 +190,20 @@ impl Rows<'_> {
     }
 }
 
-/// Standard deviation of the position's noise, from differences of the third order or of the lowest that is high enough.
+/// Standard deviation of the position's noise from its third differences, which are near zero in a smooth motion.
+/// Outliers are left out.
 fn noise(pieces: &[Piece]) -> f64 {
-    let of = |order: usize| pieces.iter().flat_map(|p| differences(&p.t, &p.x, order)).collect::<Vec<f64>>();
-    let third = without_outliers(&of(THIRD));
-    higher_order((THIRD, third), of, without_outliers).map_or(third, |(_, sigma)| sigma)
-}
-
-/// Order of the first differences that are tried.
-const THIRD: usize = 3;
-
-/// Root mean square of the differences up to six times their median.
-fn without_outliers(differences: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
-    if sizes.is_empty() {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let mut thirds: Vec<f64> = pieces.iter().flat_map(|p| p.x.windows(4).map(third)).collect();
+    if thirds.is_empty() {
         return 0.0;
     }
-    let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    sizes.retain(|d| *d <= 6.0 * median);
-    (sizes.iter().map(|d| d * d).sum::<f64>() / sizes.len().max(1) as f64).sqrt()
+    let middle = thirds.len() / 2;
+    let median = *thirds.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let kept: Vec<f64> = thirds.into_iter().filter(|d| *d <= 6.0 * median).collect();
+    let square = kept.iter().map(|d| d * d).sum::<f64>() / kept.len().max(1) as f64;
+    // The third difference of white noise has 20 times its variance.
+    (square / 20.0).sqrt()
 }
 
 #[cfg(test)]
