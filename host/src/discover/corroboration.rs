@@ -45,18 +45,12 @@ struct Corroboration {
     force: Option<[f64; 2]>,
 }
 
-/// Whether the discovery `small` of the simulated motion replaces `before`, the discovery of the measured forces. Only
-/// names that leave nothing but the sensor's noise may take the lead from a name that the forces give.
+/// Whether the discovery `small` of the simulated motion replaces `before`, the discovery of the measured forces.
 pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Discovery, before: &Discovery) -> bool {
     if small.effects.is_empty() {
         return small.down_to_the_noise() && ruling.is_some_and(Ruling::tells_nothing_is_missing);
     }
-    let kinds: Vec<Kind> = small.effects.iter().map(|named| named.kind).collect();
-    let objects = |ruling: &Ruling| {
-        let displaced = small.over_noise() >= AT_THE_NOISE && !keeps_the_lead(ruling, &kinds);
-        displaced || kinds.iter().all(|kind| speaks_against(ruling, *kind))
-    };
-    if ruling.is_some_and(objects) {
+    if ruling.is_some_and(|ruling| small.effects.iter().all(|named| speaks_against(ruling, named.kind))) {
         return false;
     }
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
@@ -76,19 +70,6 @@ pub(super) fn speaks_against(ruling: &Ruling, kind: Kind) -> bool {
         && ruling.remainder.over_noise > FORCE
         && told
         && ruling.candidates.iter().any(|own| own.kind == kind && speaks(own))
-}
-
-/// Whether names of the simulated motion hold the lead of the measured forces, or one that may stand for it. The forces
-/// do not weigh that one, or they do not tell it from the lead, or it gains as much as a tied rival.
-fn keeps_the_lead(ruling: &Ruling, kinds: &[Kind]) -> bool {
-    let Some(lead) = ruling.findings.first() else { return true };
-    let gain = |kind: Kind| ruling.candidates.iter().find(|own| own.kind == kind).map_or(0.0, |own| own.gain);
-    let least = Settings::default().tie * gain(lead.effect.kind);
-    let stands_for_it = |kind: Kind| {
-        let tied = lead.tied.iter().any(|(other, _)| *other == kind);
-        kind == lead.effect.kind || tied || !weighs(kind) || gain(kind) >= least
-    };
-    kinds.iter().any(|kind| stands_for_it(*kind))
 }
 
 /// The same where there is no discovery of the measured forces. The names must come down to the noise. In open loop
@@ -163,22 +144,6 @@ mod tests {
         let more_force = Corroboration { force: Some([1.0, 1.03]), ..TRUE_NAME };
         assert!(!more_force.holds(false) && more_force.holds(true));
         assert!(Corroboration { force: None, ..TRUE_NAME }.holds(false));
-    }
-
-    /// The forces name a load with .8 nats. A time-periodic force of .01 does not take its place; one of .7 does, and so
-    /// does a name that the forces do not weigh.
-    #[test]
-    fn a_rejected_name_does_not_take_the_lead() {
-        let lead = Ruling::naming(&[Kind::ConstantLoad], [0.02, 9.0]);
-        let beside = |gain: f64| {
-            let of = |kind, gain| Candidacy { kind, gain, z: 9.0, rejection: None };
-            let candidates = vec![of(Kind::ConstantLoad, 0.8), of(Kind::TimePeriodic, gain)];
-            keeps_the_lead(&Ruling { candidates, ..lead.clone() }, &[Kind::TimePeriodic])
-        };
-        assert!(!beside(0.01) && beside(0.7));
-        assert!(keeps_the_lead(&lead, &[Kind::Delay, Kind::ConstantLoad]));
-        let weighed = Candidacy { kind: Kind::ConstantLoad, gain: 0.8, z: 9.0, rejection: None };
-        assert!(keeps_the_lead(&Ruling { candidates: vec![weighed], ..lead }, &[Kind::Stiction]));
     }
 
     /// Backlash, blind case 845 (10 %). The model is at the noise over .1 s, and no model follows its impacts for a

@@ -9,7 +9,8 @@ pub mod compare;
 pub mod discovery;
 pub mod drive_free;
 pub mod export;
-pub mod order_tracking;
+#[cfg(test)]
+mod order_tracking;
 pub mod page;
 pub mod reading;
 pub mod rows;
