@@ -3,11 +3,6 @@
 use std::cell::Cell;
 use std::process::Command;
 
-use super::succeeds;
-
-/// The scheduling policy of Linux for what is to use a processor that nobody wants, and its only priority.
-const IDLE: [&str; 2] = ["--idle", "0"];
-
 thread_local! {
     /// Whether the commands of this thread run beside those of the steps.
     static BESIDE: Cell<bool> = const { Cell::new(false) };
@@ -36,19 +31,12 @@ pub fn yielding<T>(work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// The same command by `nice`, if it is to yield. On Linux `chrt` makes it idle too: a program that wakes takes its
-/// processor at once, and that processor counts as free.
+/// The same command by `nice`, if it is to yield.
 pub(super) fn niced(command: &Command) -> Option<Command> {
     if !YIELDING.get() {
         return None;
     }
-    let mut niced = if succeeds(Command::new("chrt").args(IDLE).arg("true")) {
-        let mut idle = Command::new("chrt");
-        idle.args(IDLE).arg("nice");
-        idle
-    } else {
-        Command::new("nice")
-    };
+    let mut niced = Command::new("nice");
     niced.args(["-n", "19"]).arg(command.get_program()).args(command.get_args());
     if let Some(folder) = command.get_current_dir() {
         niced.current_dir(folder);
@@ -67,6 +55,7 @@ mod tests {
     use super::*;
     use crate::run::run;
 
+    /// As a test itself may have been started by `nice`, its own priority is not compared with.
     #[test]
     fn what_yields_has_the_lowest_priority_its_folder_and_its_variables() {
         let folder = std::env::temp_dir().canonicalize().unwrap();
