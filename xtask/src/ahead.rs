@@ -6,14 +6,20 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
 use crate::cross::{self, Toolchain};
-use crate::report::Taken;
 use crate::run::beside;
 use crate::{emulator, export, processor, python, qemu, rp2350, web};
+
+/// What it took.
+pub struct Taken {
+    pub time: Duration,
+    /// Processor time, s; known on Linux.
+    pub processor_s: Option<f64>,
+}
 
 /// Does all that can be done without the host's programs, until `stopped`. Images are built in other folders of the target
 /// folder than the host's programs, so that neither build waits for the lock of the other.

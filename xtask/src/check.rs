@@ -11,14 +11,13 @@ use crate::budget;
 use crate::cross::{self, Toolchain};
 use crate::emulator;
 use crate::export;
-use crate::host_tests;
 use crate::image;
 use crate::lint::cargo_linted;
 use crate::python;
 use crate::qemu;
 use crate::report::Report;
 use crate::rp2350;
-use crate::run::{cargo, run, run_counting};
+use crate::run::{cargo, run, run_counting, succeeds};
 use crate::setup;
 use crate::web;
 use crate::words::words_interface_licences;
@@ -52,7 +51,7 @@ fn steps(report: &mut Report) -> Result<()> {
         result?;
         ahead.join().map_err(|_| anyhow!("what was begun ahead has panicked"))
     })?;
-    report.beside("images, page, QEMU, Unicorn, Pythons: beside the steps above", taken);
+    report.beside("images, page, QEMU, Unicorn, Pythons: beside the steps above", taken.time, taken.processor_s);
     let (mut qemu, mut missing) = (None, None);
     report.check("image of the virtual board, and QEMU", || {
         image::build(toolchain)?;
@@ -112,8 +111,8 @@ fn steps(report: &mut Report) -> Result<()> {
     let simulators = matches!(simulators, Some(Ok(_)));
     let browser = web::prepare(report)?;
     let programs =
-        [(host_tests::BOARDS, qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
-    host_tests::all(report, programs)?;
+        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
+    report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
     let mut pythons = None;
     report.check("Python for the wheel", || {
         pythons = Some(python::environments());
@@ -145,9 +144,28 @@ fn host_without_tests(report: &mut Report) -> Result<()> {
 
 /// All crates with all their features. Each other choice would build the host anew, as it changes the features of
 /// dependencies that are shared.
-pub const ALL: [&str; 2] = ["--workspace", "--all-features"];
+const ALL: [&str; 2] = ["--workspace", "--all-features"];
 
 /// The one build of the host, with clippy as the compiler: tests, programs, the library that Python loads, examples and benches.
 fn host_programs() -> Result<()> {
     run(cargo_linted(["build", "--all-targets"]).args(ALL))
+}
+
+/// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
+/// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
+fn host_tests(programs: [(&str, bool); 4]) -> Command {
+    if !succeeds(&mut cargo(["nextest", "--version"])) {
+        let mut command = cargo_linted(["test", "--tests", "--no-fail-fast"]);
+        command.args(ALL);
+        return command;
+    }
+    let mut command = cargo_linted(["nextest", "run", "--tests", "--no-fail-fast"]);
+    // What passed is counted and its time read, not shown.
+    command.args(ALL).args(["--status-level", "pass", "--color", "never"]);
+    let left_out = programs.into_iter().filter(|(_, there)| !there);
+    let left_out: Vec<String> = left_out.map(|(program, _)| format!("not binary({program})")).collect();
+    if !left_out.is_empty() {
+        command.args(["--filterset", &left_out.join(" and ")]);
+    }
+    command
 }

@@ -14,7 +14,6 @@ mod emulator;
 mod export;
 mod fleet;
 mod fuzz;
-mod host_tests;
 mod image;
 mod lint;
 mod logs;

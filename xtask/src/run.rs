@@ -1,7 +1,6 @@
 //! Running commands: never interactive, always named when they fail.
 
-mod lane;
-
+use std::cell::Cell;
 use std::env;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -14,8 +13,6 @@ use anyhow::{Context, Result, bail};
 
 use crate::processor;
 use crate::report::Tests;
-pub use lane::{beside, yielding};
-use lane::{is_beside, niced};
 
 /// The cargo that runs this program (so that all steps use one toolchain), at the root of the workspace.
 pub fn cargo<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Command {
@@ -37,6 +34,18 @@ pub fn once(command: &mut Command) {
 pub fn root() -> &'static Path {
     let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
     xtask.parent().unwrap_or(xtask)
+}
+
+thread_local! {
+    /// Whether the commands of this thread run beside those of the steps.
+    static BESIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does `work` with its commands unseen, and with their processor time counted by itself.
+pub fn beside(work: impl FnOnce()) {
+    BESIDE.set(true);
+    work();
+    BESIDE.set(false);
 }
 
 /// Runs to the end, output passed through.
@@ -71,18 +80,16 @@ pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
     }
 }
 
-/// As [`run`], counting what the test runner in it reports. The counts hold whether it fails or not. What a runner beside
-/// says is shown when it has ended.
+/// As [`run`], counting what the test runner in it reports. The counts hold whether it fails or not.
 pub fn run_counting(command: &mut Command) -> (Tests, Result<()>) {
     let line = announce(command);
     let mut child = match command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn() {
         Ok(child) => child,
         Err(error) => return (Tests::default(), Err(error).context(line)),
     };
-    let whole = is_beside();
-    let out = child.stdout.take().map(|pipe| thread::spawn(move || relay(pipe, std::io::stdout(), whole)));
-    let err = child.stderr.take().map(|pipe| thread::spawn(move || relay(pipe, std::io::stderr(), whole)));
-    let status = wait(&mut child);
+    let out = child.stdout.take().map(|pipe| thread::spawn(|| relay(pipe, std::io::stdout())));
+    let err = child.stderr.take().map(|pipe| thread::spawn(|| relay(pipe, std::io::stderr())));
+    let status = child.wait();
     let mut tests = Tests::default();
     for reader in [out, err].into_iter().flatten() {
         if let Ok(seen) = reader.join() {
@@ -115,7 +122,7 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Waits for the end.
 fn wait(child: &mut Child) -> std::io::Result<ExitStatus> {
-    if !is_beside() {
+    if !BESIDE.get() {
         return child.wait();
     }
     loop {
@@ -129,7 +136,7 @@ fn wait(child: &mut Child) -> std::io::Result<ExitStatus> {
 /// How it has ended, if it has.
 fn ended(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
     // Once it has been waited for, its time is part of that of all commands.
-    let used = if is_beside() { processor::ticks_of(child) } else { None };
+    let used = if BESIDE.get() { processor::ticks_of(child) } else { None };
     let status = child.try_wait()?;
     if status.is_some() {
         processor::was_beside(used.unwrap_or(0));
@@ -137,28 +144,24 @@ fn ended(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
     Ok(status)
 }
 
-/// Copies line by line, or the `whole` at the end, but the lines of tests that passed.
-fn relay(pipe: impl Read, mut to: impl Write, whole: bool) -> Tests {
+/// Copies line by line, but the lines of tests that passed.
+fn relay(pipe: impl Read, mut to: impl Write) -> Tests {
     let mut tests = Tests::default();
     let mut pipe = BufReader::new(pipe);
-    let (mut line, mut kept) = (Vec::new(), Vec::new());
+    let mut line = Vec::new();
     while pipe.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
         if tests.take(&String::from_utf8_lossy(&line)) {
-            if whole {
-                kept.extend_from_slice(&line);
-            } else {
-                // A reader of ours that went away must not stop the tests.
-                let _ = to.write_all(&line).and_then(|()| to.flush());
-            }
+            // A reader of ours that went away must not stop the tests.
+            let _ = to.write_all(&line).and_then(|()| to.flush());
         }
         line.clear();
     }
-    let _ = to.write_all(&kept).and_then(|()| to.flush());
     tests
 }
 
 /// Shows the command as one could type it, and cuts it off from the terminal's input.
 fn announce(command: &mut Command) -> String {
+    command.stdin(Stdio::null());
     let program = Path::new(command.get_program());
     let name = match program.file_stem() {
         // rustup runs cargo by the full path of a toolchain, which says nothing to the reader.
@@ -170,11 +173,7 @@ fn announce(command: &mut Command) -> String {
     let args = command.get_args().map(|arg| arg.display().to_string());
     let words: Vec<String> = environment.chain([name]).chain(args).collect();
     let line = words.join(" ");
-    if let Some(niced) = niced(command) {
-        *command = niced;
-    }
-    command.stdin(Stdio::null());
-    if is_beside() {
+    if BESIDE.get() {
         command.stdout(Stdio::null()).stderr(Stdio::null());
     } else {
         println!("$ {line}");

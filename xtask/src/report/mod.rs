@@ -14,15 +14,11 @@ use crate::processor;
 const SLOWEST: usize = 10;
 
 /// What a step took.
-pub struct Taken {
-    pub time: Duration,
-    /// Processor time of its commands, s; known on Linux.
-    pub processor_s: Option<f64>,
-}
-
 struct Step {
     title: &'static str,
-    taken: Taken,
+    time: Duration,
+    /// Processor time of its commands, s; known on Linux.
+    processor_s: Option<f64>,
 }
 
 /// The steps of a run so far.
@@ -43,30 +39,25 @@ impl Report {
         })
     }
 
-    /// A step that runs tests and counts them.
+    /// A step that runs tests and counts them. Failing without a failed test (it did not compile) is one failure.
     pub fn tests(&mut self, title: &'static str, step: impl FnOnce() -> (Tests, Result<()>)) -> Result<()> {
         println!("\n==> {title}");
         let (start, before) = (Instant::now(), processor::time_s());
-        let done = step();
-        let processor_s = before.and_then(|before| Ok(processor::time_s()? - before)).ok();
-        self.ended(title, Taken { time: start.elapsed(), processor_s }, done)
-    }
-
-    /// The end of a step. Failing without a failed test (it did not compile) is one failure.
-    pub fn ended(&mut self, title: &'static str, taken: Taken, done: (Tests, Result<()>)) -> Result<()> {
-        let (mut tests, result) = done;
+        let (mut tests, result) = step();
         if result.is_err() {
             tests.counts.failed = tests.counts.failed.max(1);
         }
         self.tests += tests;
-        println!("    {title}: {:.1} s", taken.time.as_secs_f64());
-        self.beside(title, taken);
+        let processor_s = before.and_then(|before| Ok(processor::time_s()? - before)).ok();
+        let step = Step { title, time: start.elapsed(), processor_s };
+        println!("    {title}: {:.1} s", step.time.as_secs_f64());
+        self.steps.push(step);
         result
     }
 
     /// Work that went on beside the steps before, and is checked by those after.
-    pub fn beside(&mut self, title: &'static str, taken: Taken) {
-        self.steps.push(Step { title, taken });
+    pub fn beside(&mut self, title: &'static str, time: Duration, processor_s: Option<f64>) {
+        self.steps.push(Step { title, time, processor_s });
     }
 
     /// Something that could not be run here, and why.
@@ -79,7 +70,7 @@ impl Report {
     pub fn close(&self) {
         println!("\n{}", self.slowest());
         println!("\n{:>10} {:>10}", "clock", "processor");
-        for Step { title, taken: Taken { time, processor_s } } in &self.steps {
+        for Step { title, time, processor_s } in &self.steps {
             let processor = processor_s.map_or(String::from("?"), |time| format!("{time:.1} s"));
             println!("{:8.1} s {processor:>10}  {title}", time.as_secs_f64());
         }
