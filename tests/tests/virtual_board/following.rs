@@ -140,6 +140,23 @@ fn a_run_of_one_process_is_watched_and_stopped_by_others() {
 #[test]
 fn a_run_whose_process_hangs_is_stopped() {
     needs_qemu!();
+    let said = stopped_past_its_process(|_| ());
+    assert!(said.contains("the run was stopped") || said.contains("set-points"), "{said}");
+}
+
+/// The same where others read all that the board says meanwhile, the end of the run too. The process ends nevertheless.
+#[test]
+fn a_run_whose_end_others_have_read_ends() {
+    needs_qemu!();
+    let drain = |port: &str| {
+        assert_eq!(Process::new("timeout").args(["1", "cat", port]).output().unwrap().status.code(), Some(124));
+    };
+    let said = stopped_past_its_process(drain);
+    assert!(said.contains("set-points: the run is over"), "{said}");
+}
+
+/// Standard error of a process that hangs until another has stopped its run, and `meanwhile` is done with its port.
+fn stopped_past_its_process(meanwhile: impl Fn(&str)) -> String {
     let (board, _folder, model) = board();
     let child = piped(&board, &model, &cosine(60), "1000");
     drop(watch(&board.port));
@@ -150,7 +167,7 @@ fn a_run_whose_process_hangs_is_stopped() {
     let stopped = breakaway(&["device", "--port", &board.port, "stop"]);
     assert_eq!(stopped["way"], "past_holder", "{stopped}");
     assert_eq!(board.seen().unwrap().code, 0);
+    meanwhile(&board.port);
     signal("-CONT");
-    let said = failed(child);
-    assert!(said.contains("the run was stopped") || said.contains("set-points"), "{said}");
+    failed(child)
 }

@@ -27,6 +27,8 @@ pub(super) struct Feed<'a> {
     pub(super) done: bool,
     read_at: Instant,
     asked: Instant,
+    /// Since when the board has no run to follow.
+    pub(super) over_at: Option<Instant>,
     pub(super) state: Following,
 }
 
@@ -41,6 +43,7 @@ impl<'a> Feed<'a> {
             done: false,
             read_at: now,
             asked: now,
+            over_at: None,
             state: Following::default(),
         }
     }

@@ -150,6 +150,11 @@ impl Runner {
                 }
                 _ => {}
             }
+            // Another program that stopped the run may have read the event in place of this one.
+            if ended_at.is_none() && feed.over_at.is_some_and(|since| since.elapsed() > SILENCE) {
+                let lost = "the board takes no more set-points: the run is over, and its last word was lost".to_owned();
+                return Err(DeviceError::Ended(lost).into());
+            }
             let (Some(since), Some(ended)) = (ended_at, totals.ended) else { continue };
             // The samples up to the end are before it; those after it say that there are no more.
             if stream.totals.samples > totals.samples || since.elapsed() > LAG {
@@ -173,6 +178,7 @@ impl Runner {
                 // The run is over, and its event is on the way.
                 Err(DeviceError::Refused { error: CommandError::NotFollowing, .. }) => {
                     feed.state.room = 0;
+                    feed.over_at.get_or_insert_with(Instant::now);
                     return Ok(());
                 }
                 Err(DeviceError::Refused { error: CommandError::Range(_), .. }) if sent.points.len() > 1 => {
