@@ -43,9 +43,13 @@ struct Options {
 
 fn one(case: &Case, setting: &Setting, verbose: bool, alone: bool) -> Row {
     let clock = Clock::start();
-    let steps = |what: Progress<'_>| match what {
-        Progress::Step(what) if verbose => println!("       {:6.1} s  {what}", clock.processor_s().unwrap_or(f64::NAN)),
-        _ => (),
+    let steps = |what: Progress<'_>| {
+        let what = match what {
+            Progress::Step(what) if verbose => what.to_owned(),
+            Progress::Round { effect, candidates } if verbose => format!("effect {effect}: {candidates} candidates"),
+            _ => return,
+        };
+        println!("       {:6.1} s  {what}", clock.processor_s().unwrap_or(f64::NAN));
     };
     let row = match run_watched(case, &steps) {
         Ok((scored, found)) => {

@@ -13,6 +13,7 @@ use crate::models::card::{Constants, Data, Head, HeldOut, Range};
 use crate::models::compare::{Line, Quantity, compare, parameters};
 use crate::models::page::effects;
 use crate::models::{self, Card};
+use crate::report::text::{number, quantity, range, with_error};
 
 /// The motor library: cards of identified machines
 #[derive(clap::Args, Debug)]
@@ -177,7 +178,7 @@ fn shown(document: &Shown<'_>) -> String {
     let Head { name, machine, source, repeat } = document.card;
     let (x, u) = (&document.units.x, &document.units.u);
     let mut text = format!("{name}: {machine}\n");
-    let range = document.range;
+    let between = document.range;
     let held = document.held_out;
     let rows = [
         ("source", source.clone()),
@@ -186,15 +187,20 @@ fn shown(document: &Shown<'_>) -> String {
         (
             "valid for",
             format!(
-                "{:.4} to {:.4} {x}, up to {:.4} {x}/s and {:.4} {u}",
-                range.position[0], range.position[1], range.speed, range.drive
+                "{} {x}, up to {} {x}/s and {} {u}",
+                range(between.position),
+                number(between.speed, 4),
+                number(between.drive, 4)
             ),
         ),
         (
             "held out",
             format!(
-                "{:.3e} {x} over {} windows of {} s; standing still {:.3e} {x}",
-                held.rmse, held.windows, held.window_s, held.standstill_rmse
+                "{} over {} windows of {} s; standing still {}",
+                quantity(held.rmse, x, 4),
+                held.windows,
+                held.window_s,
+                quantity(held.standstill_rmse, x, 4)
             ),
         ),
         ("again by", repeat.clone()),
@@ -210,8 +216,8 @@ fn shown(document: &Shown<'_>) -> String {
 }
 
 fn in_words(Quantity { value, se, unit }: &Quantity) -> String {
-    let se = se.map_or_else(String::new, |se| format!("± {se:.1e}"));
-    format!("{value:>13.5e} {se:<10} {unit}")
+    let value = se.map_or_else(|| number(*value, 5), |se| with_error(*value, se));
+    format!("{value} {unit}")
 }
 
 impl CompareArgs {
@@ -220,9 +226,7 @@ impl CompareArgs {
         let parameters = compare(&first, &second);
         let document = Compared { version: VERSION, first: &first.head.name, second: &second.head.name, parameters };
         output.print(&document, |document| {
-            let cell = |quantity: &Option<Quantity>| {
-                quantity.as_ref().map_or_else(|| "–".to_owned(), |q| in_words(q).trim().to_owned())
-            };
+            let cell = |quantity: &Option<Quantity>| quantity.as_ref().map_or_else(|| "–".to_owned(), |q| in_words(q));
             let mut text = format!("{:<28}{:<44}{:<44}ratio\n", "", document.first, document.second);
             for line in &document.parameters {
                 let ratio = line.ratio.map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.3}"));

@@ -147,13 +147,13 @@ impl Model {
     }
 
     /// The model with a whole number of waves in a turn for effect `j`, which is held. `None` where the effect has no
-    /// wave number over position, where it is not free, or where it is not near a whole one.
+    /// wave number over position, where that is whole, or where it is not near a whole one.
     pub(super) fn in_whole_waves(&self, j: usize) -> Option<Self> {
         let along = |search| matches!(search, Search::Spectrum(Over::Position | Over::PositionAndDirection));
         let i = self.effects[j].kind.definition().parameters.iter().position(|p| along(p.search))?;
         let n = self.effects[j].p[i];
-        let whole = (n - n.round()).abs() <= WHOLE && n.round() >= LEAST_WAVES;
-        (whole && self.status[j][i] == Status::Free).then(|| {
+        let near = n != n.round() && (n - n.round()).abs() <= WHOLE;
+        (near && n.round() >= LEAST_WAVES).then(|| {
             let mut model = self.clone();
             model.effects[j].p[i] = n.round();
             model.hold(j, i);
@@ -197,6 +197,15 @@ mod tests {
         assert!(!beside.free().contains(&Free::Effect(0, 1)));
         assert_eq!(beside.free().len(), 3 + 2 + 1);
         assert!(beside.in_whole_waves(0).is_none() && beside.without(0).in_whole_waves(0).is_none());
+    }
+
+    /// The judge holds the wave number of a spectrum. Near a whole one the whole one is tried all the same.
+    #[test]
+    fn a_held_number_of_a_spectrum_becomes_whole() {
+        let cogging = Effect::new(Kind::Cogging, &[0.1, 2.96, 0.3]);
+        let mut model = Model::new(&Candidate { base: BASE, effects: vec![cogging] });
+        model.hold(0, 1);
+        assert_eq!(model.in_whole_waves(0).unwrap().effects[0].p[1].to_bits(), 3.0_f64.to_bits());
     }
 
     /// A refinement is free once it is asked for, and stays so in later models.

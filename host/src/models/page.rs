@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::Card;
 use super::compare::{Quantity, parameters};
+use crate::report::text::{number, quantity, range, with_error};
 
 const HEAD: &str = "# The motor library
 
@@ -26,8 +27,8 @@ of a window is fitted to its first 40 %. *Standing still* is the same of an axis
 | `[held_out]` | the error below, over how many windows |
 | `[model]` | the model, as a model file has it ([formats](formats.md)) |
 
-The recordings are other people's, and the project holds none of them. *–*: the parameter was held,
-or found in the measured forces, which give no error.
+The recordings are other people's, and the project holds none of them. A parameter without an error
+was held, or found in the measured forces, which give none.
 
 `breakaway models add MODEL.toml REC…` makes a card, and refuses one that fails its check. It fails
 if a text is missing, if a hash is none, or if the model is worse than an axis that stands still.
@@ -45,12 +46,12 @@ pub fn page(cards: &[Card]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| [{0}](#{0}) | {1} | {2} | {3:.3e} {x} | {4:.3e} {x} | {5} of {6} s |",
+            "| [{0}](#{0}) | {1} | {2} | {3} | {4} | {5} of {6} s |",
             card.head.name,
             card.head.machine,
             effects(card),
-            held.rmse,
-            held.standstill_rmse,
+            quantity(held.rmse, x, 4),
+            quantity(held.standstill_rmse, x, 4),
             held.windows,
             held.window_s
         );
@@ -70,24 +71,24 @@ pub fn effects(card: &Card) -> String {
 fn section(card: &Card) -> String {
     let (x, u) = (&card.model.units.x, &card.model.units.u);
     let mut text = format!("\n## {}\n\n{}.\n\n", card.head.name, card.head.machine);
-    let range = &card.range;
+    let between = &card.range;
     let rows = [
         ("source", card.head.source.clone()),
         ("licence of the data", card.data.licence.clone()),
         ("recordings", card.data.file.len().to_string()),
-        ("position", format!("{:.4} to {:.4} {x}", range.position[0], range.position[1])),
-        ("largest speed", format!("{:.4} {x}/s", range.speed)),
-        ("largest drive", format!("{:.4} {u}", range.drive)),
+        ("position", format!("{} {x}", range(between.position))),
+        ("largest speed", format!("{} {x}/s", number(between.speed, 4))),
+        ("largest drive", format!("{} {u}", number(between.drive, 4))),
         ("again by", format!("`{}`", card.head.repeat)),
     ];
     text.push_str("| of the data | |\n|---|---|\n");
     for (what, value) in rows {
         let _ = writeln!(text, "| {what} | {value} |");
     }
-    text.push_str("\n| parameter | value | error | unit |\n|---|---|---|---|\n");
+    text.push_str("\n| parameter | value | unit |\n|---|---|---|\n");
     for (name, Quantity { value, se, unit }) in parameters(card) {
-        let se = se.map_or_else(|| "–".to_owned(), |se| format!("{se:.1e}"));
-        let _ = writeln!(text, "| {name} | {value:.4e} | {se} | {unit} |");
+        let value = se.map_or_else(|| number(value, 5), |se| with_error(value, se));
+        let _ = writeln!(text, "| {name} | {value} | {unit} |");
     }
     text
 }

@@ -73,6 +73,15 @@ pub fn with_error(value: f64, se: f64) -> String {
     if scaled { format!("({text})·{}", power_of_ten(e)) } else { text }
 }
 
+/// The two ends of a range, to a thousandth of its width.
+pub fn range([low, high]: [f64; 2]) -> String {
+    let decimals = (3 - exponent(high - low)).clamp(0, 12) as usize;
+    let scale = 10f64.powi(decimals as i32);
+    // Minus zero plus zero is zero: what rounds to nothing has no sign.
+    let end = |value: f64| minus(&format!("{:.decimals$}", (value * scale).round() / scale + 0.0));
+    format!("{} to {}", end(low), end(high))
+}
+
 /// Units that take a prefix.
 const PLAIN: [&str; 10] = ["rad", "m", "V", "A", "N", "Nm", "s", "Hz", "rad/s", "m/s"];
 const PREFIXES: [(i32, &str); 7] = [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M")];
@@ -124,6 +133,8 @@ mod tests {
         assert_eq!(quantity(12.0, "counts", 2), "12 counts");
         assert_eq!(scaled_unit(0.004, "rad"), (-3, "mrad".to_owned()));
         assert_eq!(scaled_unit(0.004, "x"), (-3, "10⁻³ x".to_owned()));
+        assert_eq!(range([-2e-5, 0.2464]), "0.0000 to 0.2464");
+        assert_eq!(range([-44.0, 115.0]), "−44.0 to 115.0");
         assert_eq!(escape("a<b & \"c\"\u{1}"), "a&lt;b &amp; &quot;c&quot; ");
     }
 }
