@@ -5,6 +5,7 @@ pub mod dataset;
 pub mod direction;
 pub mod evidence;
 pub mod gain;
+mod joint_wave_number;
 pub mod library;
 pub mod reading_age;
 pub mod regression;

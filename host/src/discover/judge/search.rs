@@ -122,7 +122,7 @@ pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
             _ => (None, Vec::new()),
         };
         rounds.push(round);
-        let Some(named) = named else { break };
+        let Some(named) = named.map(|named| stage.with_joint_wave_numbers(named)) else { break };
         let model = named.terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
         stage = Stage::new(form, settings, model, &stage.weights)?;
         let kinds = tied.iter().filter_map(|name| match name {
