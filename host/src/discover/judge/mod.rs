@@ -1,11 +1,11 @@
 //! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
 mod compliance;
+mod coordinate_search;
 pub mod dataset;
 pub mod direction;
 pub mod evidence;
 pub mod gain;
-mod joint_wave_number;
 pub mod library;
 pub mod reading_age;
 pub mod regression;

@@ -122,7 +122,10 @@ pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
             _ => (None, Vec::new()),
         };
         rounds.push(round);
-        let Some(named) = named.map(|named| stage.with_joint_wave_numbers(named)) else { break };
+        let Some(mut named) = named else { break };
+        if named.terms.len() > 1 {
+            named = stage.with_pair_tuned(named);
+        }
         let model = named.terms.iter().fold(stage.model.clone(), |model, term| model.with(term));
         stage = Stage::new(form, settings, model, &stage.weights)?;
         let kinds = tied.iter().filter_map(|name| match name {
@@ -257,7 +260,9 @@ impl<'a> Stage<'a> {
     }
 
     fn round(&self) -> Round {
-        let (mut tried, bar) = self.singles();
+        let (tried, bar) = self.singles();
+        let mut tried = self.with_contenders_tuned(tried);
+        tried.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
         let left = rms(&self.fitted.u.residual) / rms(&self.form.row_u);
         let mut outcome = decide(&tried, left, self.settings);
         if !matches!(outcome, Outcome::Named(..)) || inconsistent_rival(&tried, self.settings) {

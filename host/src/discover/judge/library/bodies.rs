@@ -10,7 +10,7 @@ use super::Library;
 /// period. Something that yields does that, and so does the contact of a gap.
 pub const MOST_DAMPING: f64 = 0.35;
 /// Points of the grid of a second body's angular frequencies.
-const BODIES: usize = 27;
+const BODIES: i32 = 27;
 
 impl Library<'_> {
     pub(super) fn second_bodies(&self) -> Vec<Term> {
@@ -18,22 +18,29 @@ impl Library<'_> {
         if self.model.terms.iter().any(|t| t.body.is_some()) {
             return terms;
         }
-        let longest = self.form.dataset.pieces.iter().map(|p| p.x.len() as f64 * p.h_s).fold(0.0, f64::max);
-        let (low, high) = (6.0 / longest, 2.5 / self.form.half_width_s);
+        let [low, ratio] = self.frequencies();
         // In these windows only the phase tells the fastest bodies from the motor. The last two of the grid are not
         // tried.
         for i in 0..BODIES - 2 {
-            let omega = low * (high / low).powf(i as f64 / (BODIES - 1) as f64);
-            for zeta in [0.02, 0.1, 0.3, 0.7, 2.0] {
-                let name =
-                    if zeta > MOST_DAMPING { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
-                let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
-                term.u = vec![Column::displacement(self.load(omega, zeta))];
-                term.body = Some([omega, zeta]);
-                terms.push(term.signed(Sign::Positive));
-            }
+            let omega = low * ratio.powi(i);
+            terms.extend([0.02, 0.1, 0.3, 0.7, 2.0].map(|zeta| self.second_body(omega, zeta)));
         }
         terms
+    }
+
+    /// The least angular frequency of the grid, rad/s, and its ratio.
+    pub(super) fn frequencies(&self) -> [f64; 2] {
+        let longest = self.form.dataset.pieces.iter().map(|p| p.x.len() as f64 * p.h_s).fold(0.0, f64::max);
+        let (low, high) = (6.0 / longest, 2.5 / self.form.half_width_s);
+        [low, (high / low).powf(1.0 / f64::from(BODIES - 1))]
+    }
+
+    pub(super) fn second_body(&self, omega: f64, zeta: f64) -> Term {
+        let name = if zeta > MOST_DAMPING { Name::Decoy("damped mode") } else { Name::Effect(Kind::FlexibleCoupling) };
+        let mut term = Term::force(name, Vec::new()).with(0, omega).with(1, zeta);
+        term.u = vec![Column::displacement(self.load(omega, zeta))];
+        term.body = Some([omega, zeta]);
+        term.signed(Sign::Positive)
     }
 
     /// Position of a load that hangs on the measured position by a spring and a damper, by the bilinear transform.

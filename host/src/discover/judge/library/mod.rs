@@ -5,6 +5,7 @@ mod decoys;
 mod drive;
 mod motion;
 mod position;
+mod remade;
 mod time;
 
 use breakaway_core::plant::Kind;

@@ -6,6 +6,9 @@ use super::super::term::{Sign, Term};
 use super::super::weak_form::{Field, percentile};
 use super::{Library, effect};
 
+/// Strokes of the grid.
+const STROKES: i32 = 11;
+
 impl Library<'_> {
     pub(super) fn of_the_motion(&self) -> Vec<Term> {
         let mut terms = vec![
@@ -25,17 +28,19 @@ impl Library<'_> {
             terms.extend(self.waves(Kind::GravityLoad, radians, |_, wave| wave));
         }
         for share in [0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5] {
-            let vs = share * self.form.v95;
-            for p in [1.0, 2.0] {
-                let field = self.field(|s| (-(s.v.abs() / vs).powf(p)).exp() * s.direction);
-                let mut term = effect(Kind::Stribeck, vec![field]).signed(Sign::Positive).with(1, vs);
-                if p != 2.0 {
-                    term.parameters.push((2, p));
-                }
-                terms.push(term);
-            }
+            terms.extend([1.0, 2.0].map(|p| self.stribeck(share * self.form.v95, p)));
         }
         terms
+    }
+
+    /// A Stribeck curve of this velocity and exponent.
+    pub(super) fn stribeck(&self, vs: f64, p: f64) -> Term {
+        let field = self.field(|s| (-(s.v.abs() / vs).powf(p)).exp() * s.direction);
+        let mut term = effect(Kind::Stribeck, vec![field]).signed(Sign::Positive).with(1, vs);
+        if p != 2.0 {
+            term.parameters.push((2, p));
+        }
+        term
     }
 
     /// Middle of the positions.
@@ -45,25 +50,36 @@ impl Library<'_> {
 
     pub(super) fn bristles(&self) -> Vec<Term> {
         let mut terms = Vec::new();
-        let noise = self.form.dataset.pieces.iter().map(|p| p.sigma).fold(0.0, f64::max);
-        let (least, most) = (6.0 * noise, 0.7 * self.travel);
-        if most <= least || self.model.terms.iter().any(|t| t.replaces_direction) {
+        let Some([least, ratio]) = self.strokes() else { return terms };
+        if self.model.terms.iter().any(|t| t.replaces_direction) {
             return terms;
         }
-        for i in 0..11 {
-            let stroke = least * (most / least).powf(f64::from(i) / 10.0);
-            let mut term = effect(Kind::Dahl, vec![self.bristle(stroke, None)]).with(0, stroke);
-            term.replaces_direction = true;
-            terms.push(term.signed(Sign::Positive));
+        for i in 0..STROKES {
+            let stroke = least * ratio.powi(i);
+            terms.push(self.dahl(stroke));
             for (share, rise) in [(0.03, 0.3), (0.03, 0.8), (0.1, 0.3), (0.1, 0.8)] {
-                let vs = share * self.form.v95;
-                let field = self.bristle(stroke, Some((vs, rise)));
-                let mut term = effect(Kind::LuGre, vec![field]).with(0, stroke).with(1, vs).with(2, rise);
-                term.replaces_direction = true;
-                terms.push(term.signed(Sign::Positive));
+                terms.push(self.lugre(stroke, share * self.form.v95, rise));
             }
         }
         terms
+    }
+
+    /// The least stroke of the grid, and its ratio; `None` where the travel is not above the noise.
+    pub(super) fn strokes(&self) -> Option<[f64; 2]> {
+        let noise = self.form.dataset.pieces.iter().map(|p| p.sigma).fold(0.0, f64::max);
+        let (least, most) = (6.0 * noise, 0.7 * self.travel);
+        (most > least).then(|| [least, (most / least).powf(1.0 / f64::from(STROKES - 1))])
+    }
+
+    pub(super) fn dahl(&self, stroke: f64) -> Term {
+        let term = effect(Kind::Dahl, vec![self.bristle(stroke, None)]).with(0, stroke);
+        Term { replaces_direction: true, ..term }.signed(Sign::Positive)
+    }
+
+    pub(super) fn lugre(&self, stroke: f64, vs: f64, rise: f64) -> Term {
+        let field = self.bristle(stroke, Some((vs, rise)));
+        let term = effect(Kind::LuGre, vec![field]).with(0, stroke).with(1, vs).with(2, rise);
+        Term { replaces_direction: true, ..term }.signed(Sign::Positive)
     }
 
     /// A bristle along the measured path, ±1 where it slides. `stribeck` gives a Stribeck curve: its velocity, and its

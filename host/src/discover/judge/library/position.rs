@@ -65,18 +65,11 @@ impl Library<'_> {
         places.len() as f64 / 8.0
     }
 
-    /// The wave number of a ripple over position that a spectrum gave; `None` for other terms.
-    pub fn wave_number(&self, term: &Term) -> Option<f64> {
-        let sought = [Kind::Cogging, Kind::PositionFriction].map(Name::Effect).contains(&term.name);
-        term.parameters.first().filter(|_| sought).map(|(_, k)| *k)
-    }
-
-    /// The same ripple with another wave number.
-    pub fn at_wave_number(&self, term: &Term, k: f64) -> Option<Term> {
-        let terms = match term.name {
-            Name::Effect(kind @ Kind::Cogging) => self.ripple(kind, k, |_, wave| wave),
-            Name::Effect(kind @ Kind::PositionFriction) => self.ripple(kind, k, |s, wave| s.direction * wave),
-            _ => return None,
+    /// The same ripple over position with another wave number.
+    pub(super) fn ripple_like(&self, term: &Term, kind: Kind, k: f64) -> Option<Term> {
+        let terms = match kind {
+            Kind::PositionFriction => self.ripple(kind, k, |s, wave| s.direction * wave),
+            _ => self.ripple(kind, k, |_, wave| wave),
         };
         let like = terms.into_iter().find(|other| other.own_zeros == term.own_zeros)?;
         Some(Term { chosen_of: term.chosen_of, ..like })

@@ -42,9 +42,7 @@ impl Library<'_> {
             if form.dataset.harmonic_of_the_drive(omega) > MOST_HARMONIC {
                 continue;
             }
-            let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
-            let term = effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega);
-            terms.push(Term { chosen_of: of_lines, ..term });
+            terms.push(Term { chosen_of: of_lines, ..self.time_periodic(omega) });
         }
         for i in 1..INSTANTS {
             let instant = first + span * f64::from(i) / f64::from(INSTANTS);
@@ -57,5 +55,10 @@ impl Library<'_> {
             terms.push(term);
         }
         terms
+    }
+
+    pub(super) fn time_periodic(&self, omega: f64) -> Term {
+        let wave = |shift: f64| self.field(|s| (omega * s.t + shift).sin());
+        effect(Kind::TimePeriodic, vec![wave(0.0), wave(std::f64::consts::FRAC_PI_2)]).with(1, omega)
     }
 }
