@@ -1,8 +1,8 @@
 //! The nearest valid name, for error messages.
 
 /// Least similarity (Jaro–Winkler, 0 to 1) at which a name is worth suggesting: `t` finds `t_s` (0.8), `foo` does not find
-/// `bar`. One letter somewhere in a long text is worth 2/3 and is not enough.
-const WORTH_SUGGESTING: f64 = 0.7;
+/// `bar`. One letter somewhere in a long text is worth .68 and is not enough.
+const WORTH_SUGGESTING: f64 = 0.69;
 
 /// The candidate most like `name`, upper and lower case alike, or `None` when nothing is near.
 pub fn nearest<'a, I>(name: &str, candidates: I) -> Option<&'a str>

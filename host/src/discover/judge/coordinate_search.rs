@@ -21,8 +21,7 @@ impl Stage<'_> {
     pub(super) fn with_contenders_tuned(&self, mut tried: Vec<Tried>) -> Vec<Tried> {
         let holding = tried.iter().take(CONTENDERS).take_while(|own| own.rejection().is_none()).count();
         tried[..holding].par_iter_mut().for_each(|own| {
-            if let ([term], Some(tuned)) = (&own.terms[..], own.terms.first().and_then(|term| self.tuned(term))) {
-                debug_assert_eq!(term.name, tuned.terms[0].name);
+            if let Some(tuned) = own.terms.first().and_then(|term| self.tuned(term)) {
                 *own = tuned;
             }
         });

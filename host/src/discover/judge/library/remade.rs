@@ -27,7 +27,8 @@ impl Library<'_> {
     }
 
     /// The parameters that may move, by index among the term's, and their brackets: to the neighbours on their grid. A
-    /// line of a spectrum may move by half of its resolution.
+    /// line of a spectrum may move by half of its resolution. The three of a dead time stand for each other, so that none
+    /// moves alone.
     pub fn brackets(&self, term: &Term) -> Vec<(usize, [f64; 2])> {
         let Name::Effect(kind) = term.name else { return Vec::new() };
         let of = |i: usize| term.parameters.get(i).map_or(0.0, |(_, value)| *value);
@@ -47,7 +48,7 @@ impl Library<'_> {
                 vec![times(0, self.frequencies()[1]), damping]
             }
             Kind::Delay | Kind::ElectricalLag | Kind::LoadFriction => vec![times(0, RATIO)],
-            Kind::DeadZone | Kind::PwmDeadTime => vec![times(0, 2.0)],
+            Kind::DeadZone => vec![times(0, 2.0)],
             Kind::Saturation => vec![(0, [0.9 * of(0), (1.1 * of(0)).min(self.largest_drive)])],
             _ => Vec::new(),
         }
