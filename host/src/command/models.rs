@@ -226,7 +226,7 @@ impl CompareArgs {
         let parameters = compare(&first, &second);
         let document = Compared { version: VERSION, first: &first.head.name, second: &second.head.name, parameters };
         output.print(&document, |document| {
-            let cell = |quantity: &Option<Quantity>| quantity.as_ref().map_or_else(|| "–".to_owned(), |q| in_words(q));
+            let cell = |quantity: &Option<Quantity>| quantity.as_ref().map_or_else(|| "–".to_owned(), in_words);
             let mut text = format!("{:<28}{:<44}{:<44}ratio\n", "", document.first, document.second);
             for line in &document.parameters {
                 let ratio = line.ratio.map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.3}"));

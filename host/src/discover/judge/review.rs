@@ -69,9 +69,9 @@ fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind], gain: f64) -> Vec<Trie
     let library = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights);
     let rivals = library.of_effects(rival).into_par_iter().filter(|term| matches!(term.name, Name::Effect(_)));
     let rivals = best_of_each(rivals.filter_map(|term| beside.weighed(term, &Bar::OPEN)).collect(), beside.settings);
-    let tuned = |rival: Tried| match rival.gain > NEAR * gain {
-        true => beside.tuned(&rival.terms[0]).unwrap_or(rival),
-        false => rival,
+    let tuned = |rival: Tried| {
+        let near = rival.gain > NEAR * gain;
+        near.then(|| beside.tuned(&rival.terms[0])).flatten().unwrap_or(rival)
     };
     rivals.into_par_iter().map(tuned).collect()
 }

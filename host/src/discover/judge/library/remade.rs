@@ -37,7 +37,6 @@ impl Library<'_> {
         match kind {
             Kind::Cogging | Kind::PositionFriction => vec![line(self.travel)],
             Kind::TimePeriodic => vec![line(self.session_s())],
-            Kind::Stribeck => vec![times(0, 2.0)],
             Kind::Dahl => self.strokes().map(|[_, ratio]| times(0, ratio)).into_iter().collect(),
             Kind::LuGre => {
                 let stroke = self.strokes().map(|[_, ratio]| times(0, ratio));
@@ -48,7 +47,7 @@ impl Library<'_> {
                 vec![times(0, self.frequencies()[1]), damping]
             }
             Kind::Delay | Kind::ElectricalLag | Kind::LoadFriction => vec![times(0, RATIO)],
-            Kind::DeadZone => vec![times(0, 2.0)],
+            Kind::Stribeck | Kind::DeadZone => vec![times(0, 2.0)],
             Kind::Saturation => vec![(0, [0.9 * of(0), (1.1 * of(0)).min(self.largest_drive)])],
             _ => Vec::new(),
         }
