@@ -10,8 +10,8 @@ use super::bodies::MOST_DAMPING;
 use super::drive::{RATIO, arriving};
 
 impl Library<'_> {
-    /// The same effect with these parameters, in the order of the term's; `None` for a decoy, and for an effect whose
-    /// columns have no parameter that may move.
+    /// The same effect with these parameters, in the order of the term's. There is none for a decoy, and none where no
+    /// parameter may move.
     pub fn remade(&self, term: &Term, parameters: &[f64]) -> Option<Term> {
         let Name::Effect(kind) = term.name else { return None };
         match (kind, parameters) {
