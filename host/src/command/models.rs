@@ -13,7 +13,7 @@ use crate::models::card::{Constants, Data, Head, HeldOut, Range};
 use crate::models::compare::{Line, Quantity, compare, parameters};
 use crate::models::page::effects;
 use crate::models::{self, Card};
-use crate::report::text::{number, quantity, range, with_error};
+use crate::report::text::{number, quantity, range};
 
 /// The motor library: cards of identified machines
 #[derive(clap::Args, Debug)]
@@ -215,9 +215,8 @@ fn shown(document: &Shown<'_>) -> String {
     text
 }
 
-fn in_words(Quantity { value, se, unit }: &Quantity) -> String {
-    let value = se.map_or_else(|| number(*value, 5), |se| with_error(*value, se));
-    format!("{value} {unit}")
+fn in_words(quantity: &Quantity) -> String {
+    format!("{} {}", quantity.text(), quantity.unit)
 }
 
 impl CompareArgs {

@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::effect::Over;
 
-use crate::fit::MeasuredMotion;
+use crate::fit::{MeasuredMotion, golden_section};
 use crate::identify::weak::Window;
 
 /// Most peaks that are returned.
@@ -156,13 +156,8 @@ fn comb_power(points: &[[f64; 4]], spacing: f64, lines: usize, width_s: f64) -> 
 
 /// The maximum within a spacing of `n`, by golden section.
 fn polish(points: &[[f64; 4]], n: f64, spacing: f64, width_s: f64) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_895;
-    let (mut lo, mut hi) = ((n - spacing).max(0.2 * spacing), n + spacing);
-    for _ in 0..12 {
-        let (a, b) = (hi - GOLDEN * (hi - lo), lo + GOLDEN * (hi - lo));
-        if line_power(points, a, width_s) > line_power(points, b, width_s) { hi = b } else { lo = a }
-    }
-    0.5 * (lo + hi)
+    let bracket = [(n - spacing).max(0.2 * spacing), n + spacing];
+    golden_section(bracket, 12, |n| -line_power(points, n, width_s))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ mod candidate;
 mod covariance;
 pub mod dual;
 mod equations;
+mod golden_section;
 mod grid_search;
 mod hidden_state;
 mod initial_state;
@@ -36,6 +37,7 @@ mod statistics;
 
 pub use candidate::{Candidate, Free};
 pub use covariance::Covariance;
+pub use golden_section::golden_section;
 pub use prepare::{MeasuredMotion, session};
 pub use segments::{Segment, sampled, segments};
 pub use settings::SCORE_ITERATIONS;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Card;
+use crate::report::text::{number, with_error};
 
 /// One parameter of two cards.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -26,6 +27,13 @@ pub struct Quantity {
     pub se: Option<f64>,
     /// Its unit.
     pub unit: String,
+}
+
+impl Quantity {
+    /// The value with its error, where it is known, and without the unit.
+    pub fn text(&self) -> String {
+        self.se.map_or_else(|| number(self.value, 5), |se| with_error(self.value, se))
+    }
 }
 
 /// Every parameter of a card, the base's first. A second effect of a name has its number behind it.

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::Card;
-use super::compare::{Quantity, parameters};
-use crate::report::text::{number, quantity, range, with_error};
+use super::compare::parameters;
+use crate::report::text::{number, quantity, range};
 
 const HEAD: &str = "# The motor library
 
@@ -86,9 +86,8 @@ fn section(card: &Card) -> String {
         let _ = writeln!(text, "| {what} | {value} |");
     }
     text.push_str("\n| parameter | value | unit |\n|---|---|---|\n");
-    for (name, Quantity { value, se, unit }) in parameters(card) {
-        let value = se.map_or_else(|| number(value, 5), |se| with_error(value, se));
-        let _ = writeln!(text, "| {name} | {value} | {unit} |");
+    for (name, quantity) in parameters(card) {
+        let _ = writeln!(text, "| {name} | {} | {} |", quantity.text(), quantity.unit);
     }
     text
 }

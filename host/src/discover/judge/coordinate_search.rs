@@ -6,26 +6,20 @@ use rayon::prelude::*;
 use super::evidence::Bar;
 use super::library::Library;
 use super::search::{Stage, Tried};
-use super::term::Term;
+use crate::fit::golden_section;
 
 /// Steps of a golden section. They narrow the bracket to a hundredth.
 const STEPS: usize = 10;
-/// Ratio of the golden section.
-const GOLDEN: f64 = 0.618_033_988_75;
 /// Most terms of a round whose parameters are sought, the best.
 const CONTENDERS: usize = 3;
 
 impl Stage<'_> {
     /// The best terms of a round with the parameters that gain most; the others as they are. `tried` is in the order of
     /// rank, those that hold first.
-    pub(super) fn with_contenders_tuned(&self, mut tried: Vec<Tried>) -> Vec<Tried> {
+    pub(super) fn with_contenders_tuned(&self, library: &Library<'_>, tried: Vec<Tried>) -> Vec<Tried> {
         let holding = tried.iter().take(CONTENDERS).take_while(|own| own.rejection().is_none()).count();
-        tried[..holding].par_iter_mut().for_each(|own| {
-            if let Some(tuned) = own.terms.first().and_then(|term| self.tuned(term)) {
-                *own = tuned;
-            }
-        });
-        tried
+        let each = tried.into_par_iter().enumerate();
+        each.map(|(i, own)| if i < holding { self.tuned(library, own) } else { own }).collect()
     }
 
     /// A pair that is to be named, each term with the parameters that gain most beside the other.
@@ -33,44 +27,29 @@ impl Stage<'_> {
         for j in 0..named.terms.len() {
             let others = named.terms.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, term)| term);
             let model = others.fold(self.model.clone(), |model, term| model.with(term));
-            let beside = Stage::new(self.form, self.settings, model, &self.weights);
-            if let Some(tuned) = beside.and_then(|beside| beside.tuned(&named.terms[j])) {
-                (named.terms[j], named.evidence[j]) = (tuned.terms[0].clone(), tuned.evidence[0]);
-            }
+            let Some(beside) = Stage::new(self.form, self.settings, model, &self.weights) else { continue };
+            let Some(own) = beside.weighed(named.terms[j].clone(), &Bar::OPEN) else { continue };
+            let tuned = beside.tuned(&beside.library(), own);
+            (named.terms[j], named.evidence[j]) = (tuned.terms[0].clone(), tuned.evidence[0]);
         }
         named
     }
 
-    /// The term with the parameters that gain most beside the model, each by golden section within its bracket. `None`
-    /// where it has none, where they gain no more, or where it no longer holds.
-    pub(super) fn tuned(&self, term: &Term) -> Option<Tried> {
-        let library = Library::new(self.form, &self.model, &self.fitted, &self.weights);
-        let brackets = library.brackets(term);
-        let gain = |term: &Term| self.weighed(term.clone(), &Bar::OPEN).map_or(f64::NEG_INFINITY, |tried| tried.gain);
-        let first = gain(term);
-        let (mut best, mut most) = (term.clone(), first);
-        for (i, [low, high]) in brackets {
+    /// A single term with the parameters that gain most beside the model, each by golden section within its bracket. It
+    /// stays as it is where they gain no more, and where it would not hold.
+    pub(super) fn tuned(&self, library: &Library<'_>, own: Tried) -> Tried {
+        let mut best = own;
+        for (i, bracket) in library.brackets(&best.terms[0]) {
             let at = |value: f64| {
-                let mut parameters: Vec<f64> = best.parameters.iter().map(|(_, value)| *value).collect();
+                let mut parameters: Vec<f64> = best.terms[0].parameters.iter().map(|(_, value)| *value).collect();
                 parameters[i] = value;
-                library.remade(&best, &parameters).map(|term| (gain(&term), term))
+                self.weighed(library.remade(&best.terms[0], &parameters)?, &Bar::OPEN)
             };
-            let of = |value: f64| at(value).map_or(f64::NEG_INFINITY, |(gain, _)| gain);
-            let (mut low, mut high) = (low, high);
-            for _ in 0..STEPS {
-                let (a, b) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-                if of(a) < of(b) {
-                    low = a;
-                } else {
-                    high = b;
-                }
-            }
-            if let Some((own, term)) = at(0.5 * (low + high)).filter(|(own, _)| *own > most) {
-                (best, most) = (term, own);
-            }
+            let value = golden_section(bracket, STEPS, |value| at(value).map_or(f64::INFINITY, |tried| -tried.gain));
+            let better = at(value).filter(|other| other.gain > best.gain && other.rejection().is_none());
+            best = better.unwrap_or(best);
         }
-        let tuned = self.weighed(best, &Bar::OPEN).filter(|tuned| tuned.rejection().is_none());
-        tuned.filter(|_| most > first)
+        best
     }
 }
 

@@ -11,6 +11,7 @@ use super::settings::Settings;
 use super::sides::{Model, Weights};
 use super::term::{Arrival, Name, Term};
 use super::weak_form::WeakForm;
+use crate::fit::golden_section;
 use crate::recording::Recording;
 
 /// Ages that are tried before the best is refined between its neighbours.
@@ -34,13 +35,8 @@ pub fn reading_age_s(recordings: &[Recording], settings: &Settings) -> Option<f6
     if best == GRID {
         return None;
     }
-    let (mut low, mut high) = ((best as f64 - 1.0).max(0.0) * step, (best as f64 + 1.0) * step);
-    let golden = 0.618_033_988_75;
-    for _ in 0..SECTIONS {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if left(a) < left(b) { high = b } else { low = a }
-    }
-    Some(0.5 * (low + high))
+    let bracket = [(best as f64 - 1.0).max(0.0) * step, (best as f64 + 1.0) * step];
+    Some(golden_section(bracket, SECTIONS, left))
 }
 
 /// Rms of the acceleration that the base leaves, where the drive comes `age_s` late; infinite where it cannot be

@@ -5,7 +5,6 @@ use breakaway_core::plant::Kind;
 use rayon::prelude::*;
 
 use super::evidence::{Bar, Rejection};
-use super::library::Library;
 use super::search::{Bearing, Stage, Tried, best_of_each, tied};
 use super::sides::Model;
 use super::term::Name;
@@ -66,12 +65,54 @@ fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
 fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind], gain: f64) -> Vec<Tried> {
     let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
     let rival = |kind| kind != own && (confused(own, kind) || confused(kind, own) || before.contains(&kind));
-    let library = Library::new(beside.form, &beside.model, &beside.fitted, &beside.weights);
+    let library = beside.library();
     let rivals = library.of_effects(rival).into_par_iter().filter(|term| matches!(term.name, Name::Effect(_)));
     let rivals = best_of_each(rivals.filter_map(|term| beside.weighed(term, &Bar::OPEN)).collect(), beside.settings);
-    let tuned = |rival: Tried| {
-        let near = rival.gain > NEAR * gain;
-        near.then(|| beside.tuned(&rival.terms[0])).flatten().unwrap_or(rival)
-    };
+    let tuned = |rival: Tried| if rival.gain > NEAR * gain { beside.tuned(&library, rival) } else { rival };
     rivals.into_par_iter().map(tuned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discover::judge::dataset::Dataset;
+    use crate::discover::judge::settings::Settings;
+    use crate::discover::judge::sides::Weights;
+    use crate::discover::judge::weak_form::WeakForm;
+    use crate::recording::Recording;
+
+    /// 12 s at 500 Hz of a pendulum, fitted with a ripple of one wave in a radian. The gravity load is the same law with
+    /// its wave number given, so it is named, and the ripple is tied with it.
+    #[test]
+    fn of_a_law_and_its_special_case_the_special_case_is_named() {
+        let (mut x, mut v) = (0.0, 0.0_f64);
+        let mut recording = Recording::default();
+        for k in 0..6000 {
+            let t = 2e-3 * f64::from(k);
+            let u = 0.9 * (2.1 * t).cos() + 0.3 * (13.3 * t).sin();
+            recording.t.push(t);
+            recording.u.push(u);
+            recording.x.push(x);
+            for _ in 0..20 {
+                v += (u - 0.3 * x.sin() - 0.1 * v.signum() - 0.05 * v) / 0.02 * 1e-4;
+                x += v * 1e-4;
+            }
+        }
+        let settings = Settings::default();
+        let dataset = Dataset::new(&[recording], &settings);
+        let mut form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
+        (form.radians, form.ripples) = (Some(1.0), true);
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let library = base.library();
+        let ripples = library.of_effects(|kind| kind == Kind::Cogging);
+        let ripple = ripples.iter().find(|term| term.name == Name::Effect(Kind::Cogging)).unwrap();
+        let ripple = library.remade(ripple, &[1.0]).unwrap();
+        let evidence = base.weighed(ripple.clone(), &Bar::OPEN).unwrap().evidence[0];
+        let model = Model::default().with(&ripple);
+        let stage = Stage::new(&form, &settings, model, &base.weights).unwrap();
+        let mut bearings = vec![Bearing { evidence, tied: Vec::new() }];
+        let reviewed = reviewed(stage, &mut bearings).unwrap();
+        assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::GravityLoad));
+        assert!(bearings[0].tied.iter().any(|(kind, _)| *kind == Kind::Cogging), "{:?}", bearings[0].tied);
+    }
 }

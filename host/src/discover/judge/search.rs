@@ -207,9 +207,15 @@ impl<'a> Stage<'a> {
         gain.is_finite().then_some(Tried { terms, evidence, gain, blocks })
     }
 
-    /// Every term of the library alone.
+    /// The columns beside the model.
+    pub(super) fn library(&self) -> Library<'_> {
+        Library::new(self.form, &self.model, &self.fitted, &self.weights)
+    }
+
+    /// Every term of the library alone. The best of them leave their grid.
     fn singles(&self) -> (Vec<Tried>, Bar) {
-        let terms = Library::new(self.form, &self.model, &self.fitted, &self.weights).terms();
+        let library = self.library();
+        let terms = library.terms();
         let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(term, &Bar::OPEN)).collect();
         let bar = self.bar(&all);
         for tried in &mut all {
@@ -218,7 +224,9 @@ impl<'a> Stage<'a> {
                 e.rejection = Some(Rejection::Gain);
             }
         }
-        (best_of_each(all, self.settings), bar)
+        let mut best = self.with_contenders_tuned(&library, best_of_each(all, self.settings));
+        best.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
+        (best, bar)
     }
 
     /// The gains that a name needs here. They rise with those of the decoys, which gain by what this machine leaves
@@ -260,9 +268,7 @@ impl<'a> Stage<'a> {
     }
 
     fn round(&self) -> Round {
-        let (tried, bar) = self.singles();
-        let mut tried = self.with_contenders_tuned(tried);
-        tried.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
+        let (mut tried, bar) = self.singles();
         let left = rms(&self.fitted.u.residual) / rms(&self.form.row_u);
         let mut outcome = decide(&tried, left, self.settings);
         if !matches!(outcome, Outcome::Named(..)) || inconsistent_rival(&tried, self.settings) {

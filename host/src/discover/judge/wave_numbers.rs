@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::weak_form::WeakForm;
+use crate::fit::golden_section;
 
 /// Most windows looked at, and most lines of the spectrum.
 const MOST_WINDOWS: usize = 4000;
@@ -231,17 +232,8 @@ fn explained(points: &[Point], k: f64, half_width_s: f64) -> f64 {
 
 /// The line's place between its neighbours, by golden section.
 fn refined(points: &[Point], k: f64, spacing: f64, half_width_s: f64) -> f64 {
-    let (mut low, mut high) = ((k - spacing).max(0.25 * spacing), k + spacing);
-    let golden = 0.618_033_988_75;
-    for _ in 0..24 {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if explained(points, a, half_width_s) < explained(points, b, half_width_s) {
-            low = a;
-        } else {
-            high = b;
-        }
-    }
-    0.5 * (low + high)
+    let bracket = [(k - spacing).max(0.25 * spacing), k + spacing];
+    golden_section(bracket, 24, |k| -explained(points, k, half_width_s))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::dataset::Dataset;
 use super::ruling::{Finding, Ruling};
 use super::settings::Settings;
 use super::weak_form::{Sample, WeakForm};
+use crate::fit::golden_section;
 use crate::recording::Recording;
 
 /// Phases that are tried before the best is refined.
@@ -84,17 +85,7 @@ impl PositionLaw {
         };
         let step = TAU / PHASES as f64;
         let best = (0..PHASES).map(|i| i as f64 * step).min_by(|a, b| misses(*a).total_cmp(&misses(*b)))?;
-        let (mut low, mut high) = (best - step, best + step);
-        let golden = 0.618_033_988_75;
-        for _ in 0..SECTIONS {
-            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-            if misses(a) < misses(b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        Some(0.5 * (low + high) / k)
+        Some(golden_section([best - step, best + step], SECTIONS, misses) / k)
     }
 }
 
