@@ -10,6 +10,10 @@ use anyhow::{Context, Result, ensure};
 use super::apt::Apt;
 use crate::cross::target_folder;
 
+/// Levels of folders in which libraries are sought. PulseAudio's private one is in a folder below that of the machine's
+/// kind, where the loader of an installed system finds it by a path in the library that needs it.
+const LEVELS: u32 = 2;
+
 /// A tree of unpacked packages, `debian/NAME` in the target folder.
 pub struct Tree {
     root: PathBuf,
@@ -83,11 +87,11 @@ impl Tree {
         self.root.join(inside)
     }
 
-    /// The folders with shared libraries: `lib` and `usr/lib`, and one level below.
+    /// The folders with shared libraries: `lib` and `usr/lib`, and [`LEVELS`] below.
     fn libraries(&self) -> Vec<PathBuf> {
         let mut found = Vec::new();
         for folder in ["usr/lib", "lib"] {
-            with_libraries(&self.path(folder), 1, &mut found);
+            with_libraries(&self.path(folder), LEVELS, &mut found);
         }
         found
     }
