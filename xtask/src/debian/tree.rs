@@ -10,8 +10,8 @@ use anyhow::{Context, Result, ensure};
 use super::apt::Apt;
 use crate::cross::target_folder;
 
-/// Levels of folders in which libraries are sought. PulseAudio's private one is in a folder below that of the machine's
-/// kind, where the loader of an installed system finds it by a path in the library that needs it.
+/// Levels of folders in which libraries are sought. PulseAudio keeps a private one in a folder of its own, below that of
+/// the machine's kind.
 const LEVELS: u32 = 2;
 
 /// A tree of unpacked packages, `debian/NAME` in the target folder.
