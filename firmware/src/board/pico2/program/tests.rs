@@ -3,6 +3,10 @@
 
 use std::vec::Vec;
 
+use pio_core::{
+    Assembler, InSource, IrqIndexMode, JmpCondition, MovDestination, MovOperation, MovRxIndex, MovSource, SetDestination,
+};
+
 use super::{ERROR_FLAG, LAST, PROGRAM, ROUND, SLOWEST_CLOCKS, START};
 
 /// Channels as the pins have them, B and then A, a turn forwards.
@@ -123,51 +127,51 @@ impl Machine {
     }
 }
 
+/// Where the samples lead, by old and new state: from 00, 01, 10 and 11.
+const JUMPS: &str = "round up down error  down round error up  up error round down  error down up round";
+
 #[test]
 fn the_encodings_are_those_of_an_assembler() {
-    let assembled = pio::pio_asm!(
-        ".origin 0",
-        "jmp round",
-        "jmp up",
-        "jmp down",
-        "jmp error",
-        "jmp down",
-        "jmp round",
-        "jmp error",
-        "jmp up",
-        "jmp up",
-        "jmp error",
-        "jmp round",
-        "jmp down",
-        "jmp error",
-        "jmp down",
-        "jmp up",
-        "jmp round",
-        "error:",
-        "irq nowait 0",
-        "jmp round",
-        "down:",
-        "jmp y-- round",
-        ".wrap_target",
-        "round:",
-        "mov isr, y",
-        "mov rxfifo[0], isr",
-        "mov isr, null",
-        "in x, 2",
-        "in pins, 2",
-        "mov x, isr",
-        "mov pc, isr",
-        "up:",
-        "mov y, ~y",
-        "jmp y-- last",
-        "last:",
-        "mov y, ~y",
-        ".wrap"
-    );
-    assert_eq!(assembled.program.code.as_slice(), PROGRAM);
-    assert_eq!((assembled.program.wrap.target, assembled.program.wrap.source), (ROUND, LAST));
-    let start = pio::pio_asm!("set y, 0", "mov isr, null", "in pins, 2", "mov x, isr");
-    assert_eq!(start.program.code.as_slice(), START);
+    let mut program = Assembler::<32>::new();
+    let [mut round, mut up, mut down, mut error, mut last, mut end] = [(); 6].map(|()| program.label());
+    for to in JUMPS.split_whitespace() {
+        let label = match to {
+            "round" => &mut round,
+            "up" => &mut up,
+            "down" => &mut down,
+            _ => &mut error,
+        };
+        program.jmp(JmpCondition::Always, label);
+    }
+    program.bind(&mut error);
+    program.irq(false, false, ERROR_FLAG, IrqIndexMode::DIRECT);
+    program.jmp(JmpCondition::Always, &mut round);
+    program.bind(&mut down);
+    program.jmp(JmpCondition::YDecNonZero, &mut round);
+    program.bind(&mut round);
+    program.mov(MovDestination::ISR, MovOperation::None, MovSource::Y);
+    program.mov_to_rx(MovRxIndex::RXFIFO0);
+    program.mov(MovDestination::ISR, MovOperation::None, MovSource::NULL);
+    program.r#in(InSource::X, 2);
+    program.r#in(InSource::PINS, 2);
+    program.mov(MovDestination::X, MovOperation::None, MovSource::ISR);
+    program.mov(MovDestination::PC, MovOperation::None, MovSource::ISR);
+    program.bind(&mut up);
+    program.mov(MovDestination::Y, MovOperation::Invert, MovSource::Y);
+    program.jmp(JmpCondition::YDecNonZero, &mut last);
+    program.bind(&mut last);
+    program.mov(MovDestination::Y, MovOperation::Invert, MovSource::Y);
+    program.bind(&mut end);
+    let assembled = program.assemble_with_wrap(end, round);
+    assert_eq!(assembled.code.as_slice(), PROGRAM);
+    assert_eq!((assembled.wrap.target, assembled.wrap.source), (ROUND, LAST));
+
+    let mut start = Assembler::<32>::new();
+    start.set(SetDestination::Y, 0);
+    start.mov(MovDestination::ISR, MovOperation::None, MovSource::NULL);
+    start.r#in(InSource::PINS, 2);
+    start.mov(MovDestination::X, MovOperation::None, MovSource::ISR);
+    assert_eq!(start.assemble().as_slice(), START);
 }
 
 /// Wherever the encoder stands, it starts at 0 without an error.
