@@ -4,7 +4,8 @@
 use std::vec::Vec;
 
 use pio_core::{
-    Assembler, InSource, IrqIndexMode, JmpCondition, MovDestination, MovOperation, MovRxIndex, MovSource, SetDestination,
+    Assembler, InSource, IrqIndexMode, JmpCondition, MovDestination, MovOperation, MovRxIndex, MovSource,
+    SetDestination,
 };
 
 use super::{ERROR_FLAG, LAST, PROGRAM, ROUND, SLOWEST_CLOCKS, START};
