@@ -129,7 +129,8 @@ impl<'a> Search<'a> {
         pool
     }
 
-    /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
+    /// The model to begin with, fitted; `None` where it cannot be simulated or gains nothing. None of its effects is
+    /// dropped or swapped yet: beside an effect that is still missing, the motion may not tell them.
     fn begun(&self, model: &Model, progress: Watch<'_>) -> Option<Node> {
         progress(Progress::Step("fitting the simulated motion"));
         let problem = self.data.problem();
@@ -138,7 +139,6 @@ impl<'a> Search<'a> {
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
         let fit = refine::refined(self.data, fit, false, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
-        let node = self.improved(node);
         (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)
     }
 
