@@ -44,7 +44,7 @@ struct Corroboration {
     /// Residual of the measured force, drive units; `None` where the recordings hold too few windows, or for a second
     /// body.
     force: Option<[f64; 2]>,
-    /// Whether the names that are new all act in less than a window, so that the measured forces cannot weigh them.
+    /// See [`adds_unweighed`].
     unweighed: bool,
 }
 
@@ -57,6 +57,17 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
         return false;
     }
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
+}
+
+/// Whether the names that `small` adds to those of `before` all act in less than a window, so that the measured forces
+/// cannot weigh them. It adds one at least, and takes none away.
+pub(super) fn adds_unweighed(small: &Discovery, before: &Discovery) -> bool {
+    let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
+    let (all, known) = (kinds(small), kinds(before));
+    let added = all.iter().filter(|kind| !known.contains(kind));
+    known.iter().all(|kind| all.contains(kind))
+        && all.len() > known.len()
+        && added.into_iter().all(|kind| !weighs(*kind))
 }
 
 /// Whether the measured forces speak against an effect. They do so only where they named nothing themselves, and where
@@ -102,14 +113,12 @@ impl Corroboration {
             let of = |found: &Discovery| force_residual::held_out(data, &found.model, width_s);
             Some([of(before)?, of(small)?])
         });
-        let known = |kind: Kind| before.effects.iter().any(|named| named.kind == kind);
-        let new: Vec<Kind> = small.effects.iter().map(|named| named.kind).filter(|kind| !known(*kind)).collect();
         Self {
             over_noise: [before.over_noise(), small.over_noise()],
             open_loop: [open_loop(before), open_loop(small)],
             drive_free: data.as_ref().and_then(drive_free::error).unwrap_or(f64::INFINITY),
             force,
-            unweighed: !new.is_empty() && new.iter().all(|kind| !weighs(*kind)),
+            unweighed: adds_unweighed(small, before),
         }
     }
 

@@ -121,8 +121,12 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
             .flatten();
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
             Some(mut small) => {
+                // What no window shows leaves the windows' random torque as it was.
+                let as_before = by_force.verdict == Verdict::Explained
+                    && ruling.shaken()
+                    && corroboration::adds_unweighed(&small, &by_force);
                 if small.verdict == Verdict::PartlyExplained
-                    && leaves_random_torque(&judged, &small.model, ruling, &units)
+                    && (as_before || leaves_random_torque(&judged, &small.model, ruling, &units))
                 {
                     small.verdict = Verdict::Explained;
                 }

@@ -82,11 +82,20 @@ impl<'a> Search<'a> {
         self.data.work.load(Ordering::Relaxed) > LAST_WORK * MOST_WORK
     }
 
+    /// Whether the measured forces have decided on an effect: it is not among those that are sought. It is neither
+    /// dropped nor swapped nor doubted then. Beside an effect that is still missing, the motion may not tell it. Bristles
+    /// may bend by less than the forces show, so they are never decided.
+    fn is_given(&self, kind: Kind) -> bool {
+        !self.kinds.contains(&kind) && !kind.bristles()
+    }
+
     /// Searches, and names a model. `start` is a model to begin with, beside the base.
     pub(super) fn run(mut self, start: Option<&Model>, progress: Watch<'_>) -> Ended {
         let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
         let mut visited = beam.clone();
-        if !beam.iter().any(|node| node.explained(&self.base.gap)) {
+        let added = start.map_or(&[][..], |model| &model.effects[self.known..]);
+        let given = added.iter().any(|effect| self.is_given(effect.kind));
+        if !given && !beam.iter().any(|node| node.explained(&self.base.gap)) {
             beam.push(self.base.clone());
         }
         for _ in 0..MAX_ADDED {
@@ -129,8 +138,7 @@ impl<'a> Search<'a> {
         pool
     }
 
-    /// The model to begin with, fitted; `None` where it cannot be simulated or gains nothing. None of its effects is
-    /// dropped or swapped yet: beside an effect that is still missing, the motion may not tell them.
+    /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
     fn begun(&self, model: &Model, progress: Watch<'_>) -> Option<Node> {
         progress(Progress::Step("fitting the simulated motion"));
         let problem = self.data.problem();
@@ -139,6 +147,7 @@ impl<'a> Search<'a> {
         plausible::resolved(self.data, &fit.candidate, &fit.candidate.effects).ok()?;
         let fit = refine::refined(self.data, fit, false, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
+        let node = self.improved(node);
         (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)
     }
 

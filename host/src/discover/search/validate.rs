@@ -14,9 +14,13 @@ pub(super) enum Refusal {
 }
 
 impl Search<'_> {
-    /// Why the effects of a model are not named; `None` if they are. Each of them must hold beside the others.
+    /// Why the effects of a model are not named; `None` if they are. Each of them must hold beside the others, but those
+    /// that are given.
     pub(super) fn refusal(&self, node: &mut Node) -> Option<Refusal> {
         for j in (0..node.added()).rev() {
+            if self.is_given(node.kinds()[j]) {
+                continue;
+            }
             let round = self.contested(node, j)?;
             node.contests[j] = Some(round.clone());
             let before = if node.added() == 1 { self.base.gap } else { Gap::of(self.data, &round.without) };
