@@ -122,9 +122,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
             Some(mut small) => {
                 // What no window shows leaves the windows' random torque as it was.
-                let as_before = by_force.verdict == Verdict::Explained
-                    && ruling.shaken()
-                    && corroboration::adds_unweighed(&small, &by_force);
+                let as_before =
+                    by_force.down_to_the_noise() && ruling.shaken() && corroboration::adds_unweighed(&small, &by_force);
                 if small.verdict == Verdict::PartlyExplained
                     && (as_before || leaves_random_torque(&judged, &small.model, ruling, &units))
                 {
