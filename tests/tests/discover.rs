@@ -10,7 +10,7 @@ use breakaway::discover::outcome::Verdict;
 use breakaway::fit::Candidate;
 use breakaway::recording::{ReadOptions, Recording, Selection};
 use breakaway_core::plant::Base;
-use breakaway_hidden::{Case, Experiment, Role};
+use breakaway_hidden::{Case, Experiment, Role, Setting};
 use breakaway_tests::blind::{recordings, run};
 use breakaway_tests::measured_data;
 
@@ -211,6 +211,17 @@ fn an_effect_outside_the_catalogue_is_not_explained() {
 }
 
 /// The same request gives the same result, time taken aside.
+/// Random torque, held positions and a late sensor hide a backlash beside a drift of the gain. The forces name the
+/// drift, and the rest is random to them. The motion adds the backlash; it doubted the drift before, and named neither.
+#[test]
+fn a_backlash_is_found_beside_what_the_forces_decided() {
+    let case = Case::suite(3308, &["gain_drift", "backlash"], 10.0).unwrap();
+    let world = Setting::named("unkind").unwrap().draw(3308);
+    let (scored, found) = run(&case.within(world)).unwrap();
+    assert!(scored.right() && found.effects.len() == 2, "{scored:?}");
+    assert_eq!(found.verdict, Verdict::Explained);
+}
+
 #[test]
 fn discovery_is_deterministic() {
     let case = Case::suite(904, &["time_periodic"], 10.0).unwrap();

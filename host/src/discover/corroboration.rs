@@ -6,7 +6,7 @@ use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
 use super::force_residual;
-use super::judge::library::weighs;
+use super::judge::library::tells;
 use super::judge::ruling::{Candidacy, Ruling};
 use super::judge::settings::Settings;
 use super::outcome::Discovery;
@@ -22,8 +22,8 @@ const HALF: f64 = 0.5;
 /// models differ by less.
 const OBJECTION: f64 = 1.02;
 /// Share of the force residual below which names must bring it where the motion does not come near the noise. What is
-/// left there is a force, and a true name takes a part of it. Names that act in less than a window take none that the
-/// windows show; they must halve the held-out simulation error instead.
+/// left there is a force, and a true name takes a part of it. An effect that the forces do not tell takes none; it must
+/// halve the held-out simulation error instead.
 const MATERIAL: f64 = 0.8;
 /// z over blocks below which the measured forces speak against a name.
 const AGAINST: f64 = -2.0;
@@ -44,8 +44,8 @@ struct Corroboration {
     /// Residual of the measured force, drive units; `None` where the recordings hold too few windows, or for a second
     /// body.
     force: Option<[f64; 2]>,
-    /// See [`adds_unweighed`].
-    unweighed: bool,
+    /// See [`differs_untold`].
+    untold: bool,
 }
 
 /// Whether the discovery `small` of the simulated motion replaces `before`, the discovery of the measured forces.
@@ -59,30 +59,27 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
 
-/// Whether the names that `small` adds to those of `before` all act in less than a window, so that the measured forces
-/// cannot weigh them. It adds one at least, and takes none away.
-pub(super) fn adds_unweighed(small: &Discovery, before: &Discovery) -> bool {
-    let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
-    let (all, known) = (kinds(small), kinds(before));
-    let added = all.iter().filter(|kind| !known.contains(kind));
-    known.iter().all(|kind| all.contains(kind))
-        && all.len() > known.len()
-        && added.into_iter().all(|kind| !weighs(*kind))
+/// Whether the names of `small` and of `before` differ, and only by effects that the measured forces do not tell. What
+/// is left of the forces is then the same with either.
+pub(super) fn differs_untold(small: &Discovery, before: &Discovery) -> bool {
+    let has = |found: &Discovery, kind: Kind| found.effects.iter().any(|named| named.kind == kind);
+    let differs = |kind: &Kind| has(small, *kind) != has(before, *kind);
+    let all = small.effects.iter().chain(&before.effects).map(|named| named.kind);
+    let different: Vec<Kind> = all.filter(differs).collect();
+    !different.is_empty() && !different.into_iter().any(tells)
 }
 
 /// Whether the measured forces speak against an effect. They do so only where they named nothing themselves, and where
 /// more is left of them than the sensor makes. Two things speak against an effect. Its z is far below zero on one side at
-/// least; or a decoy gains much more, and something predictable is left. Nothing is said against an effect without
-/// columns, or against bristles.
+/// least; or a decoy gains much more, and something predictable is left. Nothing is said against an effect that
+/// they do not tell.
 pub(super) fn speaks_against(ruling: &Ruling, kind: Kind) -> bool {
     let unnamed = if ruling.remainder.predictable.is_some() { ruling.decoy_gain } else { 0.0 };
     let outdone = Settings::default().decoy * unnamed;
     let speaks = |own: &Candidacy| own.z < AGAINST || own.gain < outdone;
-    // A bristle may bend by less than the sensor's noise. The measured motion does not tell its force then.
-    let told = weighs(kind) && !kind.bristles();
     ruling.findings.is_empty()
         && ruling.remainder.over_noise > FORCE
-        && told
+        && tells(kind)
         && ruling.candidates.iter().any(|own| own.kind == kind && speaks(own))
 }
 
@@ -118,7 +115,7 @@ impl Corroboration {
             open_loop: [open_loop(before), open_loop(small)],
             drive_free: data.as_ref().and_then(drive_free::error).unwrap_or(f64::INFINITY),
             force,
-            unweighed: adds_unweighed(small, before),
+            untold: differs_untold(small, before),
         }
     }
 
@@ -137,7 +134,7 @@ impl Corroboration {
         }
         let near = with < NEAR.min(HALF * without).max(AT_THE_NOISE);
         let takes_its_part =
-            if self.unweighed { with < HALF * without } else { force.is_some_and(|share| share < MATERIAL) };
+            if self.untold { with < HALF * without } else { force.is_some_and(|share| share < MATERIAL) };
         down_to_the_noise || near || takes_its_part && follows < HALF * drifts
     }
 }
@@ -152,7 +149,7 @@ mod tests {
         open_loop: [6e-3, 3e-3],
         drive_free: 2e-2,
         force: Some([1.0, 0.9]),
-        unweighed: false,
+        untold: false,
     };
 
     #[test]
@@ -177,7 +174,7 @@ mod tests {
             open_loop: [1.28e-2, 5.37e-2],
             drive_free: 0.162,
             force: None,
-            unweighed: true,
+            untold: true,
         };
         assert!(at_the_noise.holds(false));
         assert!(!Corroboration { over_noise: [2.72, 1.3], ..at_the_noise }.holds(false));
@@ -202,10 +199,10 @@ mod tests {
             open_loop: [2.51e-2, 5.56e-3],
             drive_free: 0.158,
             force: Some([3.99e-3, 3.33e-3]),
-            unweighed: true,
+            untold: true,
         };
         assert!(stiction.holds(false));
-        assert!(!Corroboration { unweighed: false, ..stiction }.holds(false));
+        assert!(!Corroboration { untold: false, ..stiction }.holds(false));
         assert!(!Corroboration { over_noise: [65.5, 40.0], ..stiction }.holds(false));
         assert!(!Corroboration { open_loop: [2.51e-2, 1.5e-2], ..stiction }.holds(false));
         assert!(!Corroboration { force: Some([3.33e-3, 3.99e-3]), ..stiction }.holds(false));

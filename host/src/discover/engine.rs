@@ -121,9 +121,9 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
             .flatten();
         match small.filter(|small| corroboration::believed(request, Some(ruling), small, &by_force)) {
             Some(mut small) => {
-                // What no window shows leaves the windows' random torque as it was.
+                // What the forces do not tell leaves their random torque as it was.
                 let as_before =
-                    by_force.down_to_the_noise() && ruling.shaken() && corroboration::adds_unweighed(&small, &by_force);
+                    by_force.down_to_the_noise() && ruling.shaken() && corroboration::differs_untold(&small, &by_force);
                 if small.verdict == Verdict::PartlyExplained
                     && (as_before || leaves_random_torque(&judged, &small.model, ruling, &units))
                 {

@@ -21,6 +21,7 @@ use std::sync::atomic::Ordering;
 use breakaway_core::plant::Kind;
 
 use super::data::Data;
+use super::judge::library::tells;
 use super::model::Model;
 use super::progress::{Progress, Watch};
 use super::ruled::radians;
@@ -82,11 +83,11 @@ impl<'a> Search<'a> {
         self.data.work.load(Ordering::Relaxed) > LAST_WORK * MOST_WORK
     }
 
-    /// Whether the measured forces have decided on an effect: it is not among those that are sought. It is neither
-    /// dropped nor swapped nor doubted then. Beside an effect that is still missing, the motion may not tell it. Bristles
-    /// may bend by less than the forces show, so they are never decided.
+    /// Whether the measured forces have decided on an effect: they tell it, and it is not among those that are sought.
+    /// It is neither dropped nor swapped nor doubted then. Beside an effect that is still missing, the motion may not
+    /// tell it.
     fn is_given(&self, kind: Kind) -> bool {
-        !self.kinds.contains(&kind) && !kind.bristles()
+        tells(kind) && !self.kinds.contains(&kind)
     }
 
     /// Searches, and names a model. `start` is a model to begin with, beside the base.

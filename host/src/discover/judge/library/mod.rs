@@ -28,6 +28,12 @@ pub const fn weighs(kind: Kind) -> bool {
     !matches!(kind, Kind::Stiction | Kind::Backlash)
 }
 
+/// Whether the measured forces tell an effect from others. A bristle may bend by less than the sensor's noise, and the
+/// measured motion does not tell its force then.
+pub fn tells(kind: Kind) -> bool {
+    weighs(kind) && !kind.bristles()
+}
+
 /// What the columns are made of.
 pub struct Library<'a> {
     form: &'a WeakForm<'a>,
