@@ -147,3 +147,23 @@ fn executable(file: &Path) -> Result<()> {
 fn executable(_: &Path) -> Result<()> {
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Libraries of the machine's kind, and PulseAudio's private one a folder below. A third folder holds none.
+    #[test]
+    fn private_libraries_are_found() {
+        let root = std::env::temp_dir().join(format!("breakaway-tree-{}", std::process::id()));
+        let folders = ["usr/lib/x86_64-linux-gnu", "usr/lib/x86_64-linux-gnu/pulseaudio"].map(|own| root.join(own));
+        for folder in &folders {
+            fs::create_dir_all(folder).unwrap();
+            fs::write(folder.join("libpulse.so.0"), "").unwrap();
+        }
+        fs::create_dir_all(root.join("usr/lib/empty")).unwrap();
+        let found = Tree { root: root.clone() }.libraries();
+        fs::remove_dir_all(root).unwrap();
+        assert_eq!(found, folders);
+    }
+}
