@@ -178,7 +178,7 @@ pub fn rule_from(
     });
     let (findings, seen) = findings(form, own);
     Some(Ruling {
-        base: Base { b: own.fitted.u.b, c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
+        base: Base { b: own.inertia(), c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
         findings,
         seen,
         candidates: own

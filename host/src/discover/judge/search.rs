@@ -100,6 +100,15 @@ pub struct Judged {
     pub fitted: Fitted,
 }
 
+impl Judged {
+    /// Inertia of the motor and of a second body that hangs on it, drive units · s² / position unit.
+    pub fn inertia(&self) -> f64 {
+        let terms = self.model.terms.iter().zip(&self.fitted.u.amplitudes);
+        let loads = terms.filter(|(term, _)| term.body.is_some()).filter_map(|(_, amplitudes)| amplitudes.first());
+        self.fitted.u.b + loads.sum::<f64>()
+    }
+}
+
 /// A model that is fitted with the weights of its own residual.
 pub(super) struct Stage<'a> {
     pub form: &'a WeakForm<'a>,
