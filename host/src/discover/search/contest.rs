@@ -65,7 +65,7 @@ impl Search<'_> {
 
     fn changed(&self, node: &mut Node) -> Option<Node> {
         for j in (0..node.added()).rev() {
-            if self.is_given(node.kinds()[j]) {
+            if self.is_decided(node.kinds()[j]) {
                 continue;
             }
             let Some(round) = self.contested(node, j) else { continue };
@@ -87,7 +87,7 @@ impl Search<'_> {
 
     /// The model with another effect of the round in the place of `own`; `None` where none does better or as well.
     fn exchanged(&self, node: &Node, round: &Arc<Round>, own: Kind) -> Option<(Node, &'static str)> {
-        let sought = round.tried.iter().enumerate().filter(|(_, tried)| !self.is_given(tried.kind));
+        let sought = round.tried.iter().enumerate().filter(|(_, tried)| !self.is_decided(tried.kind));
         for (index, tried) in sought.filter(|(_, tried)| tried.kind != own) {
             let Ok(fit) = &tried.fit else { continue };
             if simpler(round, node, fit) {

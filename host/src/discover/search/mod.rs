@@ -86,7 +86,7 @@ impl<'a> Search<'a> {
     /// Whether the measured forces have decided on an effect: they tell it, and it is not among those that are sought.
     /// It is neither dropped nor swapped nor doubted then. Beside an effect that is still missing, the motion may not
     /// tell it.
-    fn is_given(&self, kind: Kind) -> bool {
+    fn is_decided(&self, kind: Kind) -> bool {
         tells(kind) && !self.kinds.contains(&kind)
     }
 
@@ -95,8 +95,8 @@ impl<'a> Search<'a> {
         let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
         let mut visited = beam.clone();
         let added = start.map_or(&[][..], |model| &model.effects[self.known..]);
-        let given = added.iter().any(|effect| self.is_given(effect.kind));
-        if !given && !beam.iter().any(|node| node.explained(&self.base.gap)) {
+        let decided = added.iter().any(|effect| self.is_decided(effect.kind));
+        if !decided && !beam.iter().any(|node| node.explained(&self.base.gap)) {
             beam.push(self.base.clone());
         }
         for _ in 0..MAX_ADDED {

@@ -15,10 +15,10 @@ pub(super) enum Refusal {
 
 impl Search<'_> {
     /// Why the effects of a model are not named; `None` if they are. Each of them must hold beside the others, but those
-    /// that are given.
+    /// on which the forces have decided.
     pub(super) fn refusal(&self, node: &mut Node) -> Option<Refusal> {
         for j in (0..node.added()).rev() {
-            if self.is_given(node.kinds()[j]) {
+            if self.is_decided(node.kinds()[j]) {
                 continue;
             }
             let round = self.contested(node, j)?;
