@@ -7,7 +7,7 @@
 //! stiffness σ on both.
 
 use super::evidence::{Bar, Evidence, Rejection, floor_ratio, is_physical};
-use super::gain::{Gain, Sums};
+use super::gain::{Gain, gain};
 use super::regression::{Design, rms};
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Side, by_speed};
@@ -53,9 +53,7 @@ pub(super) fn weigh(
     let fit = held_out(&bends, vec![&drive_rate], &weights)?;
     let said: Vec<f64> = bends.iter().zip(&fit.residual).map(|(y, r)| y - r).collect();
     let shrink = left[0].min(left[1]).min(1.0);
-    let sums = Sums::new(form, &weights, (&bends, shrink), &fit.residual, &said);
-    // Its errors are shares of the velocity, so that a block counts by the share that is left of it.
-    let gain = Gain { z: sums.gain().z.max(sums.z_of_shares()), ..sums.gain() };
+    let gain = gain(form, &weights, (&bends, shrink), &fit.residual, &said);
     let stiffness = [after.u.amplitudes[index].first()? / stroke, 1.0 / fit.coefficients[0]];
     let coherence = 1.0 - (weighted(&fit.residual) / weighted(&bends)).powi(2);
     let short = *stroke <= LONGEST_STROKE * form.travel();

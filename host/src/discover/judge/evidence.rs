@@ -1,7 +1,7 @@
 //! The evidence for a term, and the reasons not to believe it.
 
 use super::compliance;
-use super::gain::{Gain, Sums};
+use super::gain::{Gain, gain};
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Side, Weights};
@@ -87,7 +87,7 @@ pub fn weigh(
 ) -> Evidence {
     let term = &model.terms[index];
     let (lag_u, own_u) = own_force(before, after, term, index, true);
-    let u = Sums::new(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u).gain();
+    let u = gain(form, &weights.u, (&before.u.residual, lag_u), &after.u.residual, &own_u);
     if compliance::takes_the_place(term, before, settings)
         && let Some(mut evidence) = compliance::weigh(form, after, (model, index), u, settings)
     {
@@ -95,7 +95,7 @@ pub fn weigh(
         return evidence;
     }
     let (_, own_a) = own_force(before, after, term, index, false);
-    let a = Sums::new(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a).gain();
+    let a = gain(form, &weights.a, (&before.a.residual, 1.0), &after.a.residual, &own_a);
     let difference: Vec<f64> = own_u.iter().zip(&own_a).map(|(u, a)| u - a).collect();
     // Side A has no force of its own for a second body. Its gain must be like side U's instead.
     let disagreement = if term.body.is_some() {

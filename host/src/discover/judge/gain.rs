@@ -13,63 +13,62 @@ pub struct Gain {
     pub z: f64,
 }
 
-/// Sums of squares in every block, before and after a term: over all rows, and with every row weighted by the term's own
-/// energy.
-pub(super) struct Sums {
-    flat: Vec<[f64; 2]>,
-    local: Vec<[f64; 2]>,
+/// Sums over a block: of the squared residual before and after a term, and of the squared change of the residual.
+#[derive(Clone, Copy, Default)]
+struct Block {
+    before: f64,
+    after: f64,
+    change: f64,
 }
 
-impl Sums {
-    /// The sums of the residuals `before`, times `shrink`, and `after`; `own` is the term's force.
-    pub(super) fn new(
-        form: &WeakForm<'_>,
-        weights: &[f64],
-        (before, shrink): (&[f64], f64),
-        after: &[f64],
-        own: &[f64],
-    ) -> Self {
-        let n = weights.len();
-        let (mut flat, mut local) = (vec![[0.0; 2]; form.blocks], vec![[0.0; 2]; form.blocks]);
-        let energy = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / n as f64;
-        for (i, row) in form.rows.iter().enumerate() {
-            let (r0, r1) = ((weights[i] * before[i] * shrink).powi(2), (weights[i] * after[i]).powi(2));
-            let e = (own[i] * weights[i]).powi(2) / energy.max(f64::MIN_POSITIVE);
-            flat[row.block][0] += r0;
-            flat[row.block][1] += r1;
-            local[row.block][0] += e * r0;
-            local[row.block][1] += e * r1;
-        }
-        Self { flat, local }
-    }
-
-    /// The gains, with z over the differences of the blocks.
-    pub(super) fn gain(&self) -> Gain {
-        let total = |blocks: &[[f64; 2]], j: usize| blocks.iter().map(|b| b[j]).sum::<f64>();
-        let nats = |blocks: &[[f64; 2]]| 0.5 * (total(blocks, 0) / total(blocks, 1).max(f64::MIN_POSITIVE)).ln();
-        let saved = |blocks: &[[f64; 2]]| {
-            let each: Vec<f64> = blocks.iter().filter(|b| b[0] > 0.0).map(|b| b[0] - b[1]).collect();
-            z(&each)
-        };
-        let z = saved(&self.flat).max(saved(&self.local));
-        Gain { flat: nats(&self.flat), local: nats(&self.local), z }
-    }
-
-    /// z over the logarithms of the shares that are left of the blocks.
-    pub(super) fn z_of_shares(&self) -> f64 {
-        let both = self.flat.iter().filter(|b| b[0] > 0.0 && b[1] > 0.0);
-        let shares: Vec<f64> = both.map(|b| (b[0] / b[1]).ln()).collect();
-        z(&shares)
+impl Block {
+    fn add(&mut self, before: f64, after: f64, weight: f64) {
+        self.before += weight * before * before;
+        self.after += weight * after * after;
+        self.change += weight * (before - after).powi(2);
     }
 }
 
-/// z of the blocks' gains: their mean over its standard error; 0 of fewer than four.
-fn z(gains: &[f64]) -> f64 {
-    let n = gains.len() as f64;
-    if n < 4.0 {
+/// The gain of a term of force `own`. The held-out residuals are `before`, times `shrink`, and `after`.
+pub(super) fn gain(
+    form: &WeakForm<'_>,
+    weights: &[f64],
+    (before, shrink): (&[f64], f64),
+    after: &[f64],
+    own: &[f64],
+) -> Gain {
+    let (mut flat, mut local) = (vec![Block::default(); form.blocks], vec![Block::default(); form.blocks]);
+    let square = own.iter().zip(weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>() / weights.len() as f64;
+    for (i, row) in form.rows.iter().enumerate() {
+        let (r0, r1) = (weights[i] * before[i] * shrink, weights[i] * after[i]);
+        flat[row.block].add(r0, r1, 1.0);
+        local[row.block].add(r0, r1, (own[i] * weights[i]).powi(2) / square.max(f64::MIN_POSITIVE));
+    }
+    Gain { flat: nats(&flat), local: nats(&local), z: z(&flat).max(z(&local)) }
+}
+
+fn nats(blocks: &[Block]) -> f64 {
+    let total = |of: fn(&Block) -> f64| blocks.iter().map(of).sum::<f64>();
+    0.5 * (total(|b| b.before) / total(|b| b.after).max(f64::MIN_POSITIVE)).ln()
+}
+
+/// z of what the blocks save, d = Σ(r₀² − r₁²) = Σδ·(r₀ + r₁) with the term's held-out prediction δ = r₀ − r₁. A term
+/// acts much in some blocks and little in others. That is no error: the errors are d − c·Σδ², with one c for all blocks.
+/// The t of the sum has as many degrees of freedom as blocks that carry δ, less one. Its probability is that of the z
+/// (Wallace 1959).
+fn z(blocks: &[Block]) -> f64 {
+    let saved = |b: &Block| b.before - b.after;
+    let [change, squares, total] = blocks.iter().fold([0.0; 3], |[change, squares, total], b| {
+        [change + b.change, squares + b.change * b.change, total + saved(b)]
+    });
+    let carrying = change * change / squares;
+    let freedom = carrying - 1.0;
+    if !(freedom > 0.0) {
         return 0.0;
     }
-    let mean = gains.iter().sum::<f64>() / n;
-    let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
+    let scale = total / change;
+    let errors: f64 = blocks.iter().map(|b| (saved(b) - scale * b.change).powi(2)).sum();
+    let t = total / (errors * carrying / freedom).sqrt().max(f64::MIN_POSITIVE);
+    let z = (freedom * (t * t / freedom).ln_1p()).sqrt() * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+    z.copysign(t)
 }
