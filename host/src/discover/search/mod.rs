@@ -92,10 +92,13 @@ impl<'a> Search<'a> {
 
     /// Searches, and names a model. `start` is a model to begin with, beside the base.
     pub(super) fn run(mut self, start: Option<&Model>, progress: Watch<'_>) -> Ended {
-        let mut beam: Vec<Node> = start.and_then(|model| self.begun(model, progress)).into_iter().collect();
-        let mut visited = beam.clone();
         let added = start.map_or(&[][..], |model| &model.effects[self.known..]);
         let decided = added.iter().any(|effect| self.is_decided(effect.kind));
+        let begun = start.and_then(|model| self.begun(model, progress));
+        // Beside an effect that is still missing, the motion may not gain by what the forces have decided.
+        let begun = begun.filter(|node| decided || node.gap.below(&self.base.gap));
+        let mut beam: Vec<Node> = begun.into_iter().collect();
+        let mut visited = beam.clone();
         if !decided && !beam.iter().any(|node| node.explained(&self.base.gap)) {
             beam.push(self.base.clone());
         }
@@ -139,7 +142,7 @@ impl<'a> Search<'a> {
         pool
     }
 
-    /// The model to begin with, fitted and improved; `None` where it cannot be simulated or gains nothing.
+    /// The model to begin with, fitted and improved; `None` where it cannot be simulated, or where nothing is left of it.
     fn begun(&self, model: &Model, progress: Watch<'_>) -> Option<Node> {
         progress(Progress::Step("fitting the simulated motion"));
         let problem = self.data.problem();
@@ -149,7 +152,7 @@ impl<'a> Search<'a> {
         let fit = refine::refined(self.data, fit, false, self.rotary);
         let node = Node::new(self.data, settled(self.data, fit), self.known);
         let node = self.improved(node);
-        (node.added() > 0 && node.gap.below(&self.base.gap)).then_some(node)
+        (node.added() > 0).then_some(node)
     }
 
     /// The models with one effect more: the preferred one, and the one that most segments bear out. A second missing
