@@ -17,7 +17,7 @@ use super::judge::settings::Settings;
 use super::next_experiment::{self, Limits};
 use super::outcome::{Discovery, Overlay, Provenance, Verdict};
 use super::progress::{Progress, Watch};
-use super::ruled::{Ruled, leaves_random_torque, ruled};
+use super::ruled::{Ruled, leaves_nothing_predictable, ruled};
 use super::screen::Screen;
 use super::search::{Ended, Tie, fit_softly};
 use super::small_effects;
@@ -124,9 +124,7 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
                 // What the forces do not tell leaves their random torque as it was.
                 let as_before =
                     by_force.down_to_the_noise() && ruling.shaken() && corroboration::differs_untold(&small, &by_force);
-                if small.verdict == Verdict::PartlyExplained
-                    && (as_before || leaves_random_torque(&judged, &small.model, ruling, &units))
-                {
+                if small.verdict == Verdict::PartlyExplained && as_before {
                     small.verdict = Verdict::Explained;
                 }
                 by_force::with_ties(small, Some(ruling))
@@ -142,6 +140,10 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
             small.without_names(request.model.as_ref().map_or(0, |model| model.effects.len()))
         }
     };
+    let doubted = found.verdict == Verdict::PartlyExplained;
+    if doubted && ruling.as_ref().is_some_and(|own| leaves_nothing_predictable(&judged, &found.model, own, &units)) {
+        found.verdict = Verdict::Explained;
+    }
     found.remarks.extend(age_s.map(|age_s| {
         format!("the position is held between readings, which are taken to be {:.1} ms old", 1e3 * age_s)
     }));

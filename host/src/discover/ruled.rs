@@ -54,13 +54,22 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
     Ruled { request, ruling, age_s, rezeroed }
 }
 
-/// Whether random torque is all that a model leaves. The simulation error alone does not tell, because random torque
-/// raises it too. So the judge rules once more, beside the model's effects. The force of a second body cannot be taken
-/// from the recordings.
-pub(super) fn leaves_random_torque(request: &Request, model: &Candidate, ruling: &Ruling, units: &Units) -> bool {
+/// Whether a model leaves little of the forces, and nothing that can be predicted. The simulation error alone does not
+/// tell, because random torque raises it too. So the judge rules once more, beside the model's effects. Two kinds of
+/// model are left as they are. The force of a second body cannot be taken from the recordings. Where only some
+/// recordings give the names, nothing is said of the others.
+pub(super) fn leaves_nothing_predictable(
+    request: &Request,
+    model: &Candidate,
+    ruling: &Ruling,
+    units: &Units,
+) -> bool {
     let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
     let again = || rule_beside(&request.recordings, Some(model), ruling.half_width_s, units, &Settings::default());
-    !bodies && again().is_some_and(|again| again.findings.is_empty() && again.shaken())
+    let nothing = |again: Ruling| {
+        again.findings.is_empty() && again.remainder.predictable.is_none() && again.tells_nothing_is_missing()
+    };
+    !bodies && ruling.of_recordings.is_none() && again().is_some_and(nothing)
 }
 
 /// The ruling on what the effects of `known` leave, in windows of at least this half-width, s.
