@@ -9,7 +9,6 @@ use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
-use super::judge::settings::Settings;
 use super::model::Model;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::progress::{Progress, Watch};
@@ -66,12 +65,8 @@ pub(super) fn found(
     }
     if let Some(reason) = contradicted(ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
         remarks.push(reason);
-        let doubted = Ruling { findings: Vec::new(), ..ruling.clone() };
-        let mut found = self::found(request, units, &doubted, progress)?;
+        let mut found = self::found(request, units, &ruling.clone().without_names(), progress)?;
         found.remarks.extend(remarks);
-        if ruling.explains_of_the_drive() > Settings::default().predictable {
-            found.verdict = Verdict::Unknown;
-        }
         return Ok(found);
     }
     let ended = Ended {

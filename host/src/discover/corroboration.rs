@@ -41,8 +41,8 @@ struct Corroboration {
     open_loop: [f64; 2],
     /// The same error of a cubic in time, which does not use the drive.
     drive_free: f64,
-    /// Residual of the measured force, drive units; `None` where the recordings hold too few windows, or for a second
-    /// body.
+    /// Residual of the measured force, drive units; `None` where the recordings hold too few windows, and for a second
+    /// body or bristles.
     force: Option<[f64; 2]>,
     /// See [`differs_untold`].
     untold: bool,
@@ -104,9 +104,11 @@ impl Corroboration {
             [FIT_SEGMENT_S, SHORT_SEGMENT_S].map(|length| Data::new(&request.recordings, &request.holdout, length));
         let data = prepared.into_iter().find(|data| data.fit.len() >= 3 && !data.score.is_empty());
         let width_s = ruling.map_or(force_residual::HALF_WIDTH_S, |ruling| WIDE * ruling.half_width_s);
-        // The force of a second body follows from its start, which the measured motion does not tell.
-        let bodies = small.model.effects.iter().chain(&before.model.effects).any(|effect| effect.kind.second_body());
-        let force = data.as_ref().filter(|_| !bodies).and_then(|data| {
+        // The measured motion tells neither the start of a second body nor how far bristles bend: they may bend by less
+        // than the sensor's noise.
+        let untold = |kind: Kind| kind.second_body() || kind.bristles();
+        let hides = small.model.effects.iter().chain(&before.model.effects).any(|effect| untold(effect.kind));
+        let force = data.as_ref().filter(|_| !hides).and_then(|data| {
             let of = |found: &Discovery| force_residual::held_out(data, &found.model, width_s);
             Some([of(before)?, of(small)?])
         });

@@ -113,6 +113,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
+        // Where the simulated motion contradicts the names, the forces have decided on nothing.
+        let ruling = &if by_force.effects.is_empty() { ruling.clone().without_names() } else { ruling.clone() };
         let kinds = left_to_the_motion(ruling, &by_force);
         let small = (!kinds.is_empty())
             .then(|| {
