@@ -58,12 +58,7 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
 /// tell, because random torque raises it too. So the judge rules once more, beside the model's effects. Two kinds of
 /// model are left as they are. The force of a second body cannot be taken from the recordings. Where only some
 /// recordings give the names, nothing is said of the others.
-pub(super) fn leaves_nothing_predictable(
-    request: &Request,
-    model: &Candidate,
-    ruling: &Ruling,
-    units: &Units,
-) -> bool {
+pub(super) fn leaves_nothing_predictable(request: &Request, model: &Candidate, ruling: &Ruling, units: &Units) -> bool {
     let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
     let again = || rule_beside(&request.recordings, Some(model), ruling.half_width_s, units, &Settings::default());
     let nothing = |again: Ruling| {

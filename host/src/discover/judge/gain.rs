@@ -52,10 +52,9 @@ fn nats(blocks: &[Block]) -> f64 {
     0.5 * (total(|b| b.before) / total(|b| b.after).max(f64::MIN_POSITIVE)).ln()
 }
 
-/// z of what the blocks save, d = Σ(r₀² − r₁²) = Σδ·(r₀ + r₁) with the term's held-out prediction δ = r₀ − r₁. A term
+/// z of what the blocks save, d = Σ(r₀² − r₁²) = Σδ·(r₀ + r₁), with the term's held-out prediction δ = r₀ − r₁. A term
 /// acts much in some blocks and little in others. That is no error: the errors are d − c·Σδ², with one c for all blocks.
-/// The t of the sum has as many degrees of freedom as blocks that carry δ, less one. Its probability is that of the z
-/// (Wallace 1959).
+/// The sum over its error is a t. It has as many degrees of freedom as blocks that carry δ, less one.
 fn z(blocks: &[Block]) -> f64 {
     let saved = |b: &Block| b.before - b.after;
     let [change, squares, total] = blocks.iter().fold([0.0; 3], |[change, squares, total], b| {
@@ -63,12 +62,62 @@ fn z(blocks: &[Block]) -> f64 {
     });
     let carrying = change * change / squares;
     let freedom = carrying - 1.0;
-    if !(freedom > 0.0) {
+    // A block alone has no error, and no term at all carries nothing.
+    if freedom.is_nan() || freedom < LEAST_FREEDOM {
         return 0.0;
     }
     let scale = total / change;
     let errors: f64 = blocks.iter().map(|b| (saved(b) - scale * b.change).powi(2)).sum();
-    let t = total / (errors * carrying / freedom).sqrt().max(f64::MIN_POSITIVE);
-    let z = (freedom * (t * t / freedom).ln_1p()).sqrt() * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
-    z.copysign(t)
+    z_of_t(total / (errors * carrying / freedom).sqrt().max(f64::MIN_POSITIVE), freedom)
+}
+
+/// Degrees of freedom below which nothing is told, so that rounding makes no freedom out of one block.
+const LEAST_FREEDOM: f64 = 1e-6;
+
+/// The normal number that is as likely as a t of so many degrees of freedom, to a hundredth (Wallace 1959, *Annals of
+/// Mathematical Statistics* 30, 1124).
+fn z_of_t(t: f64, freedom: f64) -> f64 {
+    let size = (freedom * (t * t / freedom).ln_1p()).sqrt() * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+    size.copysign(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Blocks of which so many carry the term. They save 1 each, and ±`error` in turn.
+    fn blocks(carrying: usize, error: f64) -> Vec<Block> {
+        let own = |i: usize| {
+            let change = if i < carrying { 1.0 } else { 0.0 };
+            let saved = change * if i % 2 == 0 { 1.0 + error } else { 1.0 - error };
+            Block { before: 5.0, after: 5.0 - saved, change }
+        };
+        (0..60).map(own).collect()
+    }
+
+    /// The 97.5 and 99.95 per cent of Student's t, from its tables.
+    #[test]
+    fn a_t_is_as_likely_as_its_z() {
+        for (t, freedom, z) in [(2.201, 11.0, 1.960), (4.437, 11.0, 3.291), (2.571, 5.0, 1.960), (-2.042, 30.0, -1.960)]
+        {
+            assert!((z_of_t(t, freedom) - z).abs() < 0.01, "{t} {freedom}: {}", z_of_t(t, freedom));
+        }
+    }
+
+    /// Twelve of 60 blocks carry a term, and save alike to a tenth: 12/√(.12·12/11) = 33 is as likely as 7.0. The mean of
+    /// the 60 over its standard error would be 3.9.
+    #[test]
+    fn that_a_term_acts_in_some_blocks_alone_is_no_error() {
+        let z = z(&blocks(12, 0.1));
+        assert!((z - 6.96).abs() < 0.05, "{z}");
+    }
+
+    /// One block tells nothing, and two that agree to a hundredth tell no name.
+    #[test]
+    fn few_blocks_tell_little() {
+        assert_eq!(z(&blocks(1, 0.0)).to_bits(), 0.0_f64.to_bits());
+        let two = z(&blocks(2, 0.01));
+        assert!(two > 2.0 && two < 3.0, "{two}");
+        assert_eq!(z(&blocks(0, 0.0)).to_bits(), 0.0_f64.to_bits());
+    }
 }

@@ -27,7 +27,7 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
         };
         let before: Vec<Kind> = bearings[j].tied.iter().map(|(kind, _)| *kind).collect();
         let rivals = rivals(&beside, own, &before, tried.gain);
-        let as_well: Vec<&Tried> = tied(&tried, &rivals, stage.settings).collect();
+        let as_well: Vec<&Tried> = tied(&tried, &rivals, &before, stage.settings).collect();
         // A law fits no worse than its special cases. It is named only where it fits better.
         let special = as_well.iter().filter(|rival| rival.rejection().is_none());
         let special = special.filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind)));

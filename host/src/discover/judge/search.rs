@@ -382,7 +382,7 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
         }
     }
     let mut names: Vec<Name> = Vec::new();
-    for name in tied(simple, tried, settings).flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
+    for name in tied(simple, tried, &[], settings).flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
         if !names.contains(&name) {
             names.push(name);
         }
@@ -391,12 +391,17 @@ fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
 }
 
 /// The rivals of `own` that do as well on both sides. They may miss a bar. One with more parameters counts only where
-/// the two effects resemble each other.
-pub(super) fn tied<'a>(own: &'a Tried, tried: &'a [Tried], settings: &'a Settings) -> impl Iterator<Item = &'a Tried> {
+/// the two effects resemble each other, or where it was tied `before`.
+pub(super) fn tied<'a>(
+    own: &'a Tried,
+    tried: &'a [Tried],
+    before: &'a [Kind],
+    settings: &'a Settings,
+) -> impl Iterator<Item = &'a Tried> {
     let resembles = |t: &Tried| {
         let mut pairs = own.names().into_iter().zip(t.names());
         pairs.all(|pair| match pair {
-            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other),
+            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other) || before.contains(&other),
             _ => false,
         })
     };
