@@ -89,7 +89,7 @@ mod tests {
     fn blocks(carrying: usize, error: f64) -> Vec<Block> {
         let own = |i: usize| {
             let change = if i < carrying { 1.0 } else { 0.0 };
-            let saved = change * if i % 2 == 0 { 1.0 + error } else { 1.0 - error };
+            let saved = change * if i.is_multiple_of(2) { 1.0 + error } else { 1.0 - error };
             Block { before: 5.0, after: 5.0 - saved, change }
         };
         (0..60).map(own).collect()
