@@ -113,9 +113,9 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
-        // Where the simulated motion contradicts the names, the forces have decided on nothing.
-        let ruling = &if by_force.effects.is_empty() { ruling.clone().without_names() } else { ruling.clone() };
-        let kinds = left_to_the_motion(ruling, &by_force);
+        // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
+        let doubted = by_force.effects.is_empty().then(|| ruling.clone().without_names());
+        let kinds = left_to_the_motion(doubted.as_ref().unwrap_or(ruling), &by_force);
         let small = (!kinds.is_empty())
             .then(|| {
                 small_effects::found(request, &units, Some((ruling, Some(&by_force.model))), &kinds, progress).ok()
