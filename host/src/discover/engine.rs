@@ -113,9 +113,7 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
-        // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
-        let doubted = by_force.effects.is_empty().then(|| ruling.clone().without_names());
-        let kinds = left_to_the_motion(doubted.as_ref().unwrap_or(ruling), &by_force);
+        let kinds = left_to_the_motion(ruling, &by_force);
         let small = (!kinds.is_empty())
             .then(|| {
                 small_effects::found(request, &units, Some((ruling, Some(&by_force.model))), &kinds, progress).ok()
@@ -166,7 +164,9 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
         return Vec::new();
     }
-    let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken();
+    // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
+    let taken_back = found.effects.is_empty() && !ruling.findings.is_empty();
+    let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken() && !taken_back;
     let idle = |kind: Kind| shaken && weighs(kind) || corroboration::speaks_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }
