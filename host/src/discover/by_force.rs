@@ -9,6 +9,7 @@ use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
 use super::judge::ruling::{Candidacy, Finding, Ruling};
+use super::judge::settings::Settings;
 use super::model::Model;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::progress::{Progress, Watch};
@@ -65,8 +66,12 @@ pub(super) fn found(
     }
     if let Some(reason) = contradicted(ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
         remarks.push(reason);
-        let mut found = self::found(request, units, &ruling.clone().without_names(), progress)?;
+        let doubted = Ruling { findings: Vec::new(), seen: Vec::new(), ..ruling.clone() };
+        let mut found = self::found(request, units, &doubted, progress)?;
         found.remarks.extend(remarks);
+        if ruling.explains_of_the_drive() > Settings::default().predictable {
+            found.verdict = Verdict::Unknown;
+        }
         return Ok(found);
     }
     let ended = Ended {

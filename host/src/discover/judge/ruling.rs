@@ -129,17 +129,6 @@ impl Ruling {
         let [base, left] = self.residual_u;
         (base * base - left * left).max(0.0).sqrt()
     }
-    /// The ruling without its names, which something else contradicts. What they explain is left then, and something
-    /// predicts it.
-    #[must_use]
-    pub fn without_names(mut self) -> Self {
-        let first = self.findings.first().map(|finding| Name::Effect(finding.effect.kind));
-        if self.explains_of_the_drive() > Settings::default().predictable {
-            self.remainder.predictable = first.or(self.remainder.predictable);
-        }
-        (self.findings, self.seen) = (Vec::new(), Vec::new());
-        self
-    }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
     pub fn beside(mut self, known: &[Effect<f64>]) -> Self {
