@@ -76,8 +76,11 @@ fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind], gain: f64) -> Vec<Trie
 mod tests {
     use super::*;
     use crate::discover::judge::dataset::Dataset;
+    use crate::discover::judge::evidence::Evidence;
+    use crate::discover::judge::gain::Gain;
     use crate::discover::judge::settings::Settings;
     use crate::discover::judge::sides::Weights;
+    use crate::discover::judge::term::Term;
     use crate::discover::judge::weak_form::WeakForm;
     use crate::recording::Recording;
 
@@ -114,5 +117,21 @@ mod tests {
         let reviewed = reviewed(stage, &mut bearings).unwrap();
         assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::GravityLoad));
         assert!(bearings[0].tied.iter().any(|(kind, _)| *kind == Kind::Cogging), "{:?}", bearings[0].tied);
+    }
+
+    /// A ripple that does as well as gravity has more parameters, and gravity as a special case. It is tied with gravity
+    /// only where it was before. The review begins anew where it drops another term, and the tie stays then.
+    #[test]
+    fn a_tie_stays_where_the_review_begins_anew() {
+        let tried = |kind: Kind, size: usize| {
+            let terms = vec![Term { size, ..Term::force(Name::Effect(kind), Vec::new()) }];
+            let [u, a] = [Gain::default(); 2];
+            let evidence = vec![Evidence { u, a, disagreement: 0.0, coherence: 1.0, rejection: None }];
+            Tried { terms, evidence, gain: 0.1, blocks: [vec![1.0, 1.1, 0.9, 1.0], vec![1.0, 1.1, 0.9, 1.0]] }
+        };
+        let (gravity, ripples) = (tried(Kind::GravityLoad, 2), [tried(Kind::Cogging, 3)]);
+        let settings = Settings::default();
+        let ties = |before: &[Kind]| tied(&gravity, &ripples, before, &settings).count();
+        assert_eq!([ties(&[]), ties(&[Kind::Cogging])], [0, 1]);
     }
 }
