@@ -8,6 +8,7 @@ use std::slice;
 use breakaway::discover::engine::Request;
 use breakaway::discover::judge::dataset::Dataset;
 use breakaway::discover::judge::regression::rms;
+use breakaway::discover::judge::ruling::Ruling;
 use breakaway::discover::judge::search::{Tried, judge};
 use breakaway::discover::judge::settings::Settings;
 use breakaway::discover::judge::weak_form::WeakForm;
@@ -74,6 +75,18 @@ fn line(tried: &Tried) -> String {
     format!("{:7.4}  {}", tried.gain, each.collect::<Vec<_>>().join("\n         + "))
 }
 
+/// The names with what is tied with them, and what is seen beside them with its share of the energy of the gap.
+fn in_words(ruling: &Ruling) -> String {
+    let named = ruling.findings.iter().map(|finding| {
+        let count = finding.effect.kind.definition().parameters.len();
+        let parameters: Vec<String> = finding.effect.p[..count].iter().map(|p| format!("{p:.3e}")).collect();
+        let tied: String = finding.tied.iter().map(|(kind, _)| format!(" = {}", kind.name())).collect();
+        format!("{}{tied} ({})", finding.effect.kind.name(), parameters.join(" "))
+    });
+    let seen = ruling.seen.iter().map(|(kind, share)| format!("seen: {} {share:.3}", kind.name()));
+    named.chain(seen).collect::<Vec<_>>().join(", ")
+}
+
 /// Requests by their names: of real machines, and of sessions of the unkind world.
 fn requests(asked: &Asked) -> Vec<(String, Request)> {
     let mut all = Vec::new();
@@ -116,13 +129,8 @@ fn main() {
             println!("## {name}: no ruling");
             continue;
         };
-        println!(
-            "## {name}: {:?}, base {:?}, age {:?}, remainder {:?}",
-            ruling.findings.iter().map(|finding| finding.effect).collect::<Vec<_>>(),
-            ruling.base,
-            own.age_s,
-            ruling.remainder
-        );
+        println!("## {name}: {}", in_words(&ruling));
+        println!("   base {:?}, age {:?} s, remainder {:?}", ruling.base, own.age_s, ruling.remainder);
         if asked.lines == 0 {
             continue;
         }

@@ -157,17 +157,19 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 }
 
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
-/// off by a tooth. Where random torque explains what is left, only effects that act in less than a window remain: the
-/// forces have weighed the others. They have not where they hardly tell the inertia, or where they see an effect that is
-/// too small to be named. An effect against which the forces speak is not sought: it would not be believed.
+/// off by a tooth. Where the forces tell what is left, they have weighed the effects that act in no less than a window.
+/// Of these remain what the forces speak for, and what they named, unless random torque explains what is left. An effect
+/// against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
         return Vec::new();
     }
     // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
     let taken_back = found.effects.is_empty() && !ruling.findings.is_empty();
-    let shaken = found.over_noise() > AT_THE_NOISE && ruling.shaken() && !taken_back;
-    let idle = |kind: Kind| shaken && weighs(kind) || corroboration::speaks_against(ruling, kind);
+    let weighed = found.over_noise() > AT_THE_NOISE && ruling.tells_what_is_left() && !taken_back;
+    let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
+    let open = |kind: Kind| ruling.supports(kind) || named(kind) && !ruling.shaken();
+    let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || corroboration::speaks_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }
 

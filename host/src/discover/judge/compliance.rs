@@ -6,7 +6,8 @@
 //! explains y by u̇: noise in the drive biases it, as noise in the motion biases side U. A bristle says the same
 //! stiffness σ on both.
 
-use super::evidence::{Bar, Evidence, Rejection, floor_ratio, is_physical};
+use super::bar::Bar;
+use super::evidence::{Evidence, Rejection, floor_ratio, is_physical};
 use super::gain::{Gain, gain};
 use super::regression::{Design, rms};
 use super::settings::Settings;

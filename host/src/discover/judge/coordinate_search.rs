@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::evidence::Bar;
+use super::bar::Bar;
 use super::library::Library;
 use super::search::{Stage, Tried};
 use crate::fit::golden_section;

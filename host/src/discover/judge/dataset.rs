@@ -58,6 +58,11 @@ impl Dataset {
 }
 
 impl Dataset {
+    /// Session time of the first sample, s.
+    pub fn first_s(&self) -> f64 {
+        self.pieces.iter().filter_map(|piece| piece.t.first()).copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// Angular frequency at which the drive of each piece repeats, rad/s, and the number of its periods; `None` where it
     /// does not repeat.
     fn fundamentals(&self) -> &[Option<(f64, f64)>] {

@@ -1,5 +1,6 @@
 //! The evidence for a term, and the reasons not to believe it.
 
+use super::bar::Bar;
 use super::compliance;
 use super::gain::{Gain, gain};
 use super::regression::rms;
@@ -25,25 +26,6 @@ pub enum Rejection {
     Amplitude,
     /// A mean and a direction alone predict the drive as well.
     Floor,
-}
-
-/// The gains that a name needs in these recordings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bar {
-    /// Over all rows, nats.
-    pub flat: f64,
-    /// Where the effect acts, nats.
-    pub local: f64,
-}
-
-impl Bar {
-    /// Any gain is enough.
-    pub const OPEN: Self = Self { flat: f64::NEG_INFINITY, local: f64::NEG_INFINITY };
-
-    /// Whether the gains are enough: over all rows on the side that gains less, and where the effect acts on side U.
-    pub fn reached_by(&self, evidence: &Evidence) -> bool {
-        evidence.gain() >= self.flat && evidence.u.local >= self.local
-    }
 }
 
 /// What speaks for a term beside a model.

@@ -4,7 +4,8 @@
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
 
-use super::evidence::{Bar, Rejection};
+use super::bar::Bar;
+use super::evidence::Rejection;
 use super::search::{Bearing, Stage, Tried, best_of_each, tied};
 use super::sides::Model;
 use super::term::Name;

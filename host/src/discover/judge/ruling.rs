@@ -2,6 +2,7 @@
 
 use breakaway_core::plant::{Base, Effect, Kind};
 
+use super::bar::best_decoy;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::regression::rms;
@@ -72,7 +73,9 @@ pub struct Ruling {
     pub seen: Vec<(Kind, f64)>,
     /// The first round in the windows that named; in the narrowest, where none did.
     pub candidates: Vec<Candidacy>,
-    /// Gain of the best significant decoy of that round, nats; 0 if none is significant.
+    /// What is left to be tried beside the final model: the last round, and the effects that are seen.
+    pub left: Vec<Candidacy>,
+    /// Gain of the best significant decoy of the first round, nats; 0 if none is significant.
     pub decoy_gain: f64,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
     pub residual_u: [f64; 2],
@@ -98,6 +101,10 @@ const AT_THE_NOISE: f64 = 2.0;
 /// The same ratio, from which random torque shakes the machine.
 const SHAKEN: f64 = 5.0;
 
+/// z over blocks from which the forces speak for an effect. Of 24 effects that are not there, one in forty rulings has
+/// such a one on one side.
+const SUPPORT: f64 = 3.0;
+
 impl Ruling {
     /// Whether the inertia of the force fit means something.
     pub fn tells_inertia(&self) -> bool {
@@ -112,6 +119,15 @@ impl Ruling {
     /// Whether nothing is missing: little is left, and the drive tells the inertia.
     pub fn tells_nothing_is_missing(&self) -> bool {
         self.coherence >= COHERENT && self.leaves_little()
+    }
+    /// Whether the forces tell what is left: they tell the inertia, and more is left than the sensor makes.
+    pub fn tells_what_is_left(&self) -> bool {
+        self.tells_inertia() && self.remainder.over_noise > SHAKEN
+    }
+    /// Whether the forces that are left speak for an effect, be it too little for a name.
+    pub fn supports(&self, kind: Kind) -> bool {
+        let supported = |own: &Candidacy| own.kind == kind && own.gain > 0.0 && own.z >= SUPPORT;
+        self.seen.iter().any(|(seen, _)| *seen == kind) || self.left.iter().any(supported)
     }
     /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
     /// than the sensor makes, and nothing predicts it. They have weighed nothing where they hardly tell the inertia, or
@@ -176,7 +192,7 @@ pub fn rule_from(
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
-    let (findings, seen) = findings(form, own);
+    let (findings, seen) = findings(form, own, settings);
     Some(Ruling {
         base: Base { b: own.inertia(), c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
         findings,
@@ -185,7 +201,8 @@ pub fn rule_from(
             .rounds
             .first()
             .map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
-        decoy_gain: own.rounds.first().map_or(0.0, |round| decoy_gain(round, settings)),
+        left: own.rounds.last().map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
+        decoy_gain: own.rounds.first().map_or(0.0, |round| best_decoy(&round.tried, settings)),
         residual_u: [own.residual[0][0], own.residual[1][0]],
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
@@ -224,20 +241,30 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
     Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
 }
 
-/// Gain of the best significant decoy of a round, nats.
-fn decoy_gain(round: &Round, settings: &Settings) -> f64 {
-    let decoys = round.tried.iter().filter(|t| matches!(t.terms[0].name, Name::Decoy(_)));
-    let significant = decoys.filter(|t| t.evidence[0].z() >= settings.least_z(t.terms[0].chosen_of));
-    let possible = significant.filter(|t| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base)));
-    possible.map(|t| t.gain).fold(0.0, f64::max)
-}
-
-/// Least share of the energy of the gap that each name after the first must carry. An effect below it is seen, and is
-/// not what is missing.
+/// Least share of the energy of the gap that each name after the first must carry, where something else may be missing.
+/// An effect below it is seen, and is not what is missing.
 const MATERIAL: f64 = 0.1;
 
+/// What a name after the first needs, beside [`MATERIAL`].
+struct Complete {
+    /// Share of the drive that it must predict.
+    of_the_drive: f64,
+    /// Least gain, nats.
+    gain: f64,
+}
+
+impl Complete {
+    /// `None` where the search ended before nothing was left to be tried.
+    fn of(own: &Judged, settings: &Settings) -> Option<Self> {
+        let last = own.rounds.last().filter(|round| round.outcome == Outcome::Nothing)?;
+        let gain = settings.over_decoys * best_decoy(&last.tried, settings);
+        Some(Self { of_the_drive: settings.predictable, gain })
+    }
+}
+
 /// The named effects, and the effects that are seen beside them with their shares of the energy of the gap.
-fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)>) {
+fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> (Vec<Finding>, Vec<(Kind, f64)>) {
+    let complete = Complete::of(own, settings);
     let (mut findings, mut seen) = (Vec::new(), Vec::new());
     // Energy that is left of the base's, by the gains of side U.
     let mut left = 1.0;
@@ -245,7 +272,10 @@ fn findings(form: &WeakForm<'_>, own: &Judged) -> (Vec<Finding>, Vec<(Kind, f64)
         let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
         let share = left - after;
         left = after;
-        if let (false, true, Name::Effect(kind)) = (findings.is_empty(), share < MATERIAL, term.name) {
+        let of_the_drive = share.sqrt() * own.residual[0][0];
+        let small = share < MATERIAL
+            && complete.as_ref().is_none_or(|least| of_the_drive < least.of_the_drive || evidence.gain() < least.gain);
+        if let (false, true, Name::Effect(kind)) = (findings.is_empty(), small, term.name) {
             seen.push((kind, share));
             continue;
         }
@@ -332,6 +362,7 @@ impl Ruling {
             findings: kinds.iter().map(finding).collect(),
             seen: Vec::new(),
             candidates: Vec::new(),
+            left: Vec::new(),
             decoy_gain: 0.0,
             residual_u: [1.0, share],
             residual_a: [1.0, share],

@@ -4,7 +4,8 @@
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
 
-use super::evidence::{Bar, Evidence, Rejection, weigh};
+use super::bar::{self, Bar};
+use super::evidence::{Evidence, Rejection, weigh};
 use super::library::Library;
 use super::regression::rms;
 use super::review;
@@ -164,6 +165,12 @@ impl<'a> Stage<'a> {
         Some(Self { form, settings, model, fitted, weights })
     }
 
+    /// Another model, with the weights of this one.
+    pub(super) fn with_model(&self, model: Model) -> Option<Stage<'a>> {
+        let fitted = self.fit(&model)?;
+        Some(Stage { form: self.form, settings: self.settings, model, fitted, weights: self.weights.clone() })
+    }
+
     fn fit(&self, model: &Model) -> Option<Fitted> {
         model.fit(self.form, &self.weights, self.settings)
     }
@@ -222,33 +229,16 @@ impl<'a> Stage<'a> {
     }
 
     /// Every term of the library alone. The best of them leave their grid.
-    fn singles(&self) -> (Vec<Tried>, Bar) {
+    pub(super) fn singles(&self) -> (Vec<Tried>, Bar) {
         let library = self.library();
         let terms = library.terms();
         let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(term, &Bar::OPEN)).collect();
         let bar = self.bar(&all);
-        for tried in &mut all {
-            let e = &mut tried.evidence[0];
-            if e.rejection.is_none() && !bar.reached_by(e) {
-                e.rejection = Some(Rejection::Gain);
-            }
-        }
+        let decoys = bar::decoys(&all, self.settings);
+        self.reject_small_gains(&mut all, &bar, &decoys);
         let mut best = self.with_contenders_tuned(&library, best_of_each(all, self.settings));
         best.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
         (best, bar)
-    }
-
-    /// The gains that a name needs here. They rise with those of the decoys, which gain by what this machine leaves
-    /// unexplained.
-    fn bar(&self, all: &[Tried]) -> Bar {
-        let [rough, quiet] = self.settings.gain;
-        let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base));
-        let decoys = all.iter().filter(|t| matches!(t.terms[0].name, Name::Decoy(_))).filter(possible);
-        let most = decoys.map(|t| t.gain).fold(0.0, f64::max);
-        let flat = (self.settings.over_decoys * most).clamp(quiet, rough);
-        let share = ((flat - quiet) / (rough - quiet)).clamp(0.0, 1.0);
-        let [rough, quiet] = self.settings.local_gain;
-        Bar { flat, local: quiet + share * (rough - quiet) }
     }
 
     /// The best pair of every two names. The first of a pair is one of the effects that gain most, whether or not it
@@ -263,6 +253,7 @@ impl<'a> Stage<'a> {
             .collect();
         first.sort_by(|x, y| score(y).total_cmp(&score(x)));
         first.truncate(PAIR_FIRSTS);
+        let quiet = Bar::quiet(self.settings);
         let mut all = Vec::new();
         for one in first {
             let beside = self.model.with(&one.terms[0]);
@@ -270,9 +261,10 @@ impl<'a> Stage<'a> {
             let terms = Library::new(self.form, &beside, &fitted, &self.weights).partners();
             let pairs =
                 terms.into_par_iter().filter(|t| matches!(t.name, Name::Effect(_)) && t.name != one.terms[0].name);
-            let weighed = pairs.filter_map(|term| self.weighed_pair((&one.terms[0], &fitted), term, bar));
+            let weighed = pairs.filter_map(|term| self.weighed_pair((&one.terms[0], &fitted), term, &quiet));
             all.extend(weighed.collect::<Vec<_>>());
         }
+        self.reject_small_gains(&mut all, bar, &bar::decoys(singles, self.settings));
         best_of_each(all, self.settings)
     }
 

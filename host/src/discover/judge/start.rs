@@ -42,8 +42,8 @@ pub fn effect(
             let exponent = term.parameters.iter().find(|p| p.0 == 2).map_or(2.0, |p| p.1);
             vec![amplitude(0), parameter(1), exponent]
         }
-        // The straight line through the recordings is the beginning of an exponential that ends soon after them.
-        Kind::FrictionDrift => vec![-1.5 * amplitude(0), 0.7 * span_s],
+        // The law counts from the session's beginning, the column from the first sample.
+        Kind::FrictionDrift => vec![amplitude(0) * (form.dataset.first_s() / parameter(1)).exp(), parameter(1)],
         Kind::GainDrift => vec![amplitude(0) / span_s],
         Kind::InertiaStep => vec![amplitude(0) / side.b, parameter(1)],
         Kind::Dahl => vec![amplitude(0) / parameter(0)],

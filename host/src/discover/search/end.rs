@@ -78,8 +78,11 @@ impl Search<'_> {
     }
 
     /// The rivals of effect `j` of the final model, beside its others. One that is tied must hold on the held-out data
-    /// too.
+    /// too. An effect on which the forces have decided has the rivals that they give it.
     fn rivals(&self, node: &Node, j: usize, tie: &mut Option<Tie>) -> Vec<Rival> {
+        if self.is_decided(node.kinds()[j]) {
+            return Vec::new();
+        }
         let Some(round) = self.contested(node, j) else { return Vec::new() };
         let (own, kinds) = (node.kinds()[j], node.kinds());
         let before = if node.added() == 1 { self.base.gap } else { Gap::of(self.data, &round.without) };

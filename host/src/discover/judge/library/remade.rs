@@ -17,6 +17,7 @@ impl Library<'_> {
         match (kind, parameters) {
             (Kind::Cogging | Kind::PositionFriction, [k]) => self.ripple_like(term, kind, *k),
             (Kind::TimePeriodic, [omega]) => Some(Term { chosen_of: term.chosen_of, ..self.time_periodic(*omega) }),
+            (Kind::FrictionDrift, [time_constant_s]) => Some(self.friction_drift(*time_constant_s)),
             (Kind::Stribeck, [vs]) => Some(self.stribeck(*vs, 2.0)),
             (Kind::Stribeck, [vs, p]) => Some(self.stribeck(*vs, *p)),
             (Kind::Dahl, [stroke]) => Some(self.dahl(*stroke)),
@@ -47,7 +48,7 @@ impl Library<'_> {
                 vec![times(0, self.frequencies()[1]), damping]
             }
             Kind::Delay | Kind::ElectricalLag | Kind::LoadFriction => vec![times(0, RATIO)],
-            Kind::Stribeck | Kind::DeadZone => vec![times(0, 2.0)],
+            Kind::Stribeck | Kind::DeadZone | Kind::FrictionDrift => vec![times(0, 2.0)],
             Kind::Saturation => vec![(0, [0.9 * of(0), (1.1 * of(0)).min(self.largest_drive)])],
             _ => Vec::new(),
         }

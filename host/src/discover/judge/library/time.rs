@@ -11,6 +11,8 @@ use super::{LINES, Library, effect};
 
 /// Effects of session time.
 pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
+/// Time constants of a friction's warm-up, as shares of the session. The longest is a straight line to 2 %.
+pub(super) const WARM_UPS: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 3.0];
 /// Parts of a session. The inertia may step where one ends and the next begins.
 const INSTANTS: u32 = 24;
 /// Largest share of the samples in which a periodic force may be a harmonic of the drive. The others must show it.
@@ -27,8 +29,7 @@ impl Library<'_> {
         let times: Vec<f64> = form.rows.iter().map(|r| form.dataset.pieces[r.piece].t[r.centre]).collect();
         let (Some(first), Some(last)) = (times.first(), times.last()) else { return terms };
         let (first, span) = (*first, last - first);
-        let drift = self.field(|s| s.direction * (s.t - first) / span);
-        terms.push(effect(Kind::FrictionDrift, vec![drift]));
+        terms.extend(WARM_UPS.map(|share| self.friction_drift(share * span)));
         if self.drive_varies() {
             let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
             let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
@@ -55,6 +56,13 @@ impl Library<'_> {
             terms.push(term);
         }
         terms
+    }
+
+    /// Friction that decays with this time constant, counted from the first sample.
+    pub(super) fn friction_drift(&self, time_constant_s: f64) -> Term {
+        let first_s = self.form.dataset.first_s();
+        let decay = self.field(|s| s.direction * (-(s.t - first_s) / time_constant_s).exp());
+        effect(Kind::FrictionDrift, vec![decay]).with(1, time_constant_s)
     }
 
     pub(super) fn time_periodic(&self, omega: f64) -> Term {
