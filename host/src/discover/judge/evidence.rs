@@ -6,7 +6,7 @@ use super::gain::{Gain, gain};
 use super::regression::rms;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Side, Weights};
-use super::term::{Shape, Sign, Term};
+use super::term::{Sign, Term};
 use super::weak_form::WeakForm;
 
 /// Why a term cannot be named.
@@ -162,24 +162,7 @@ fn amplitude_is_wrong(after: &Fitted, term: &Term, index: usize) -> bool {
         Sign::Any => true,
         Sign::Positive => value > 0.0,
     };
-    let phase_for_each = term.own_zeros && term.shape == Shape::Wave;
-    let differ = |side: &Side| phase_for_each && waves_differ(&side.amplitudes[index], &side.errors[index]);
-    !within(*u) || !within(*a) || differ(&after.u) || differ(&after.a)
-}
-
-/// Largest difference of one recording's amplitude from the mean: in standard errors, and as a share of the mean. The
-/// larger of both counts.
-const DIFFERS: [f64; 2] = [4.0, 0.5];
-
-/// Whether the waves of the recordings differ in amplitude. Each has a sine and a cosine, with their standard errors.
-fn waves_differ(amplitudes: &[f64], errors: &[f64]) -> bool {
-    let pairs = amplitudes.chunks_exact(2).zip(errors.chunks_exact(2));
-    let waves: Vec<(f64, f64)> =
-        pairs.map(|(a, e)| (a[0].hypot(a[1]), e[0].max(e[1]).max(f64::MIN_POSITIVE))).collect();
-    let weight: f64 = waves.iter().map(|(_, error)| error.powi(-2)).sum();
-    let mean = waves.iter().map(|(own, error)| own * error.powi(-2)).sum::<f64>() / weight;
-    let [errors, share] = DIFFERS;
-    waves.iter().any(|(own, error)| (own - mean).abs() > (errors * error).max(share * mean))
+    !within(*u) || !within(*a)
 }
 
 /// Residual energy of side U over that of a fit without the motion: a mean and a direction.
@@ -196,19 +179,4 @@ pub fn floor_ratio(form: &WeakForm<'_>, u: &Side) -> f64 {
     }
     let left = total - if square > 0.0 { cross * cross / square } else { 0.0 };
     u.residual.iter().map(|r| r * r).sum::<f64>() / left.max(f64::MIN_POSITIVE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::waves_differ;
-
-    /// Waves of one amplitude agree whatever their phases. A third wave of a third of the amplitude does not, unless
-    /// its error is as large as the difference.
-    #[test]
-    fn waves_of_one_amplitude_may_have_any_phases() {
-        assert!(!waves_differ(&[3.0, 4.0, -5.0, 0.0, 0.0, 5.1], &[0.1; 6]));
-        let smaller = [3.0, 4.0, -5.0, 0.0, 0.0, 1.7];
-        assert!(waves_differ(&smaller, &[0.1; 6]));
-        assert!(!waves_differ(&smaller, &[0.1, 0.1, 0.1, 0.1, 1.0, 1.0]));
-    }
 }

@@ -8,6 +8,7 @@ pub mod direction;
 pub mod evidence;
 pub mod gain;
 pub mod library;
+mod one_wave;
 pub mod reading_age;
 pub mod regression;
 mod review;

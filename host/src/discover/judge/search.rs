@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::bar::{self, Bar};
 use super::evidence::{Evidence, Rejection, weigh};
 use super::library::Library;
+use super::one_wave::{as_one_wave, one_wave};
 use super::regression::rms;
 use super::review;
 use super::settings::Settings;
@@ -176,8 +177,15 @@ impl<'a> Stage<'a> {
     }
 
     /// The evidence for the `index`-th term of a model: `before` is fitted without it, `after` with it.
-    fn evidence(&self, before: &Fitted, after: &Fitted, model: (&Model, usize), bar: &Bar) -> Evidence {
-        weigh(self.form, &self.weights, before, after, model, bar, self.settings)
+    fn evidence(&self, before: &Fitted, after: &Fitted, (model, index): (&Model, usize), bar: &Bar) -> Evidence {
+        let weigh = |after: &Fitted, model: &Model| {
+            weigh(self.form, &self.weights, before, after, (model, index), bar, self.settings)
+        };
+        let own = weigh(after, model);
+        let Some(term) = one_wave(model, index, after) else { return own };
+        let mut one = model.clone();
+        one.terms[index] = term;
+        self.fit(&one).map_or(own, |after| as_one_wave(own, weigh(&after, &one), self.settings))
     }
 
     /// The evidence for a new term beside the model.

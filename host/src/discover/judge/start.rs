@@ -3,8 +3,9 @@
 use breakaway_core::plant::effect::MAX_PARAMETERS;
 use breakaway_core::plant::{Effect, Kind};
 
+use super::one_wave;
 use super::sides::Side;
-use super::term::{Name, Term};
+use super::term::{Name, Shape, Term};
 use super::weak_form::WeakForm;
 
 /// Largest distance of a wave number from the whole one that it is taken for, 1/rad. The teeth of a rotor are counted.
@@ -25,7 +26,10 @@ pub fn effect(
     let times = || form.rows.iter().map(|r| form.dataset.pieces[r.piece].t[r.centre]);
     let span_s = times().fold(0.0, f64::max) - times().fold(f64::INFINITY, f64::min);
     // θ₀·sin + θ₁·cos on the side of the drive is −A·sin(… + φ) of the law.
-    let wave = || (amplitude(0).hypot(amplitude(1)), (-amplitude(1)).atan2(-amplitude(0)));
+    // Where each recording has its own zero, the phase is that of the first.
+    let own_waves = term.own_zeros && term.shape == Shape::Wave;
+    let size = || if own_waves { one_wave::amplitude(side, index) } else { amplitude(0).hypot(amplitude(1)) };
+    let wave = || (size(), (-amplitude(1)).atan2(-amplitude(0)));
     let own: Vec<f64> = match kind {
         Kind::Spring => {
             let positions = form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect();
@@ -34,7 +38,7 @@ pub fn effect(
         Kind::GravityLoad => vec![wave().0, wave().1],
         Kind::Cogging | Kind::TimePeriodic => vec![wave().0, parameter(1), wave().1],
         Kind::PositionFriction => {
-            let depth = amplitude(0).hypot(amplitude(1)) / side.f1.max(1e-9);
+            let depth = size() / side.f1.max(1e-9);
             vec![depth.min(1.0), parameter(1), amplitude(1).atan2(amplitude(0))]
         }
         Kind::EncoderEccentricity => vec![wave().0 / side.b, wave().1],

@@ -54,6 +54,13 @@ impl Column {
     pub fn displacement(field: Field) -> Self {
         Self::Displacement(Arc::new(Sampled { field, windows: OnceLock::new() }))
     }
+    /// The quantity at every sample; `None` where it is known in windows alone.
+    pub fn field(&self) -> Option<&Field> {
+        match self {
+            Self::Force(own) | Self::Displacement(own) => Some(&own.field),
+            Self::Windows(_) => None,
+        }
+    }
     /// The same for the windows of another form.
     fn afresh(&self) -> Self {
         match self {
