@@ -20,7 +20,9 @@ pub(super) fn one_wave(model: &Model, index: usize, fitted: &Fitted) -> Option<T
     }
     let sums: Vec<f64> = both[0].iter().zip(both[1]).map(|(u, a)| u + a).collect();
     let phases: Vec<[f64; 2]> = sums.chunks_exact(2).map(|pq| direction(pq[0], pq[1])).collect();
-    let joined = |columns: &[Column]| if columns.is_empty() { Some(Vec::new()) } else { join(columns, &phases).map(|own| vec![own]) };
+    let joined = |columns: &[Column]| {
+        if columns.is_empty() { Some(Vec::new()) } else { join(columns, &phases).map(|own| vec![own]) }
+    };
     Some(Term { u: joined(&term.u)?, a: joined(&term.a)?, ..term.clone() })
 }
 
