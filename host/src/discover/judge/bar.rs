@@ -91,7 +91,7 @@ pub(super) fn best_decoy(all: &[Tried], settings: &Settings) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use breakaway_core::plant::Kind;
 
     use super::*;
@@ -100,28 +100,44 @@ mod tests {
     use crate::discover::judge::weak_form::WeakForm;
     use crate::recording::Recording;
 
-    /// 20 s at 500 Hz of an axis with this Coulomb friction, a drag, and a random torque of 20 Hz from a linear
-    /// congruential generator. The drag is small beside the random torque.
-    fn axis(f1: f64, seed: u64) -> Recording {
-        let (mut x, mut v, mut torque, mut seed) = (0.0, 0.0_f64, 0.0, seed);
-        let mut recording = Recording::default();
-        for k in 0..10_000 {
-            let t = 2e-3 * f64::from(k);
-            let u = 0.5 * (2.1 * t).cos() + 0.3 * (13.3 * t).sin();
-            recording.t.push(t);
-            recording.u.push(u);
-            recording.x.push(x);
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let uniform = (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            torque += 0.22 * (0.3 * uniform - torque);
-            for _ in 0..20 {
-                let force = u + torque - 0.002 * v * v.abs();
-                let free = v + (force - f1 * v.signum() - 0.03 * v) / 0.02 * 1e-4;
-                v = if free * v < 0.0 && force.abs() <= f1 { 0.0 } else { free };
-                x += v * 1e-4;
+    /// What an axis has beside b = .02 and c = .03.
+    #[derive(Clone, Copy)]
+    pub struct Axis {
+        pub f1: f64,
+        pub drag: f64,
+        pub load: f64,
+        /// Start of the random numbers.
+        pub seed: u64,
+    }
+
+    impl Axis {
+        /// 20 s at 500 Hz under two sines. A random torque of 20 Hz comes from a linear congruential generator.
+        pub fn recording(self) -> Recording {
+            let (mut x, mut v, mut torque, mut seed) = (0.0, 0.0_f64, 0.0, self.seed);
+            let mut recording = Recording::default();
+            for k in 0..10_000 {
+                let t = 2e-3 * f64::from(k);
+                let u = 0.5 * (2.1 * t).cos() + 0.3 * (13.3 * t).sin();
+                recording.t.push(t);
+                recording.u.push(u);
+                recording.x.push(x);
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let uniform = (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+                torque += 0.22 * (0.3 * uniform - torque);
+                for _ in 0..20 {
+                    let force = u + torque + self.load - self.drag * v * v.abs();
+                    let free = v + (force - self.f1 * v.signum() - 0.03 * v) / 0.02 * 1e-4;
+                    v = if free * v < 0.0 && force.abs() <= self.f1 { 0.0 } else { free };
+                    x += v * 1e-4;
+                }
             }
+            recording
         }
-        recording
+    }
+
+    /// An axis with a drag that is small beside its random torque.
+    fn axis(f1: f64, seed: u64) -> Recording {
+        Axis { f1, drag: 0.002, load: 0.0, seed }.recording()
     }
 
     /// The drag of a first round, and the bar by the decoys of that round.

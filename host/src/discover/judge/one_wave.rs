@@ -73,3 +73,67 @@ pub(super) fn amplitude(side: &Side, index: usize) -> f64 {
     });
     weighted / weights
 }
+
+#[cfg(test)]
+mod tests {
+    use breakaway_core::plant::Kind;
+
+    use super::*;
+    use crate::discover::judge::gain::Gain;
+    use crate::discover::judge::term::Name;
+
+    /// What speaks for a wave of this gain.
+    fn evidence(flat: f64, rejection: Option<Rejection>) -> Evidence {
+        let gain = Gain { flat, local: flat, z: 9.0 };
+        Evidence { u: gain, a: gain, disagreement: 0.1, coherence: 0.9, rejection }
+    }
+
+    /// One amplitude that gains less than .7 of what the many gain makes no law. One that gains nearly as much tells that
+    /// the sides agree, where the many do not.
+    #[test]
+    fn one_amplitude_must_gain_nearly_as_much() {
+        let of = |own, one| as_one_wave(own, one, &Settings::default()).rejection;
+        let many = evidence(1.0, None);
+        assert_eq!(of(many, evidence(0.6, None)), Some(Rejection::Amplitude));
+        assert_eq!(of(many, evidence(0.8, Some(Rejection::Gain))), None);
+        let apart = evidence(1.0, Some(Rejection::Disagreement(0.4)));
+        assert_eq!(of(apart, evidence(0.8, None)), None);
+        assert_eq!(of(apart, evidence(0.6, None)), Some(Rejection::Disagreement(0.4)));
+        assert_eq!(of(apart, evidence(0.8, Some(Rejection::Gain))), Some(Rejection::Disagreement(0.4)));
+    }
+
+    /// A side with these amplitudes of one term, and the same error for each.
+    fn side(amplitudes: &[f64], error: f64) -> Side {
+        Side {
+            b: 1.0,
+            c: 0.0,
+            f1: 0.0,
+            base_errors: [0.0; 2],
+            amplitudes: vec![amplitudes.to_vec()],
+            errors: vec![vec![error; amplitudes.len()]],
+            forces: Vec::new(),
+            residual: Vec::new(),
+            target: Vec::new(),
+        }
+    }
+
+    /// Two recordings of one sample each. The first wave has the amplitudes 3 and 4, the second 0 and 5. Both have the
+    /// size 5, whose mean is 5, and the joined column holds .6·sin + .8·cos of the first and the cosine of the second.
+    #[test]
+    fn the_phases_stay_and_the_amplitude_is_one() {
+        let columns = [[1.0, 0.0], [10.0, 0.0], [0.0, 2.0], [0.0, 20.0]];
+        let fields = columns.map(|[first, second]| vec![vec![first], vec![second]]);
+        let term = Term {
+            own_zeros: true,
+            shape: Shape::Wave,
+            ..Term::force(Name::Effect(Kind::GravityLoad), fields.to_vec())
+        };
+        let fitted = Fitted { u: side(&[3.0, 4.0, 0.0, 5.0], 0.1), a: side(&[3.0, 4.0, 0.0, 5.0], 0.1) };
+        let one = one_wave(&Model::default().with(&term), 0, &fitted).unwrap();
+        let joined = one.u[0].field().unwrap();
+        assert!((joined[0][0] - 8.6).abs() < 1e-12 && (joined[1][0] - 20.0).abs() < 1e-12, "{joined:?}");
+        assert!((amplitude(&fitted.u, 0) - 5.0).abs() < 1e-12);
+        let plain = Term { own_zeros: false, ..term };
+        assert!(one_wave(&Model::default().with(&plain), 0, &fitted).is_none());
+    }
+}

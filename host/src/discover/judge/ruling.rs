@@ -373,3 +373,39 @@ impl Ruling {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bar::tests::Axis;
+    use super::*;
+
+    /// A drag beside a constant load that leaves forty times its force. It carries less than a tenth of the energy of the
+    /// gap, and nothing else is left. It is named where it predicts 2 % of the drive, and only seen where it predicts less.
+    #[test]
+    fn a_small_effect_is_named_where_nothing_else_is_left() {
+        let of = |drag: f64| {
+            let axis = Axis { f1: 0.1, drag, load: 0.2, seed: 1 };
+            let recordings = [axis.recording(), Axis { seed: 2, ..axis }.recording()];
+            let ruling = rule(&recordings, None, &Settings::default()).unwrap();
+            let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
+            let seen: Vec<Kind> = ruling.seen.iter().map(|(kind, _)| *kind).collect();
+            (names, seen)
+        };
+        let (load, drag) = (Kind::ConstantLoad, Kind::QuadraticDrag);
+        assert_eq!(of(0.003), (vec![load, drag], vec![]));
+        assert_eq!(of(0.0012), (vec![load], vec![drag]));
+    }
+
+    /// The motion is asked for effects that are seen, and for those that nearly hold.
+    #[test]
+    fn the_forces_speak_for_what_nearly_holds() {
+        let own = |kind, z| Candidacy { kind, gain: 0.01, z, rejection: Some(Rejection::Gain) };
+        let ruling = Ruling {
+            seen: vec![(Kind::Cogging, 0.05)],
+            left: vec![own(Kind::Delay, 3.1), own(Kind::Spring, 2.9)],
+            ..Ruling::naming(&[Kind::ConstantLoad], [0.05, 9.0])
+        };
+        let supported = [Kind::Cogging, Kind::Delay, Kind::Spring].map(|kind| ruling.supports(kind));
+        assert_eq!(supported, [true, true, false]);
+    }
+}
