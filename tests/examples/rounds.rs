@@ -80,8 +80,9 @@ fn in_words(ruling: &Ruling) -> String {
     let named = ruling.findings.iter().map(|finding| {
         let count = finding.effect.kind.definition().parameters.len();
         let parameters: Vec<String> = finding.effect.p[..count].iter().map(|p| format!("{p:.3e}")).collect();
-        let tied: String = finding.tied.iter().map(|(kind, _)| format!(" = {}", kind.name())).collect();
-        format!("{}{tied} ({})", finding.effect.kind.name(), parameters.join(" "))
+        let tied = finding.tied.iter().map(|(kind, _)| kind.name());
+        let names: Vec<&str> = std::iter::once(finding.effect.kind.name()).chain(tied).collect();
+        format!("{} ({})", names.join(" = "), parameters.join(" "))
     });
     let seen = ruling.seen.iter().map(|(kind, share)| format!("seen: {} {share:.3}", kind.name()));
     named.chain(seen).collect::<Vec<_>>().join(", ")

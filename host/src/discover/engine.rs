@@ -11,7 +11,7 @@ use super::by_force;
 use super::corroboration;
 use super::data::Data;
 use super::gap::open_loop_squares;
-use super::judge::library::weighs;
+use super::judge::library::{tells, weighs};
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
 use super::next_experiment::{self, Limits};
@@ -158,8 +158,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
 /// off by a tooth. Where the forces tell what is left, they have weighed the effects that act in no less than a window.
-/// Of these remain what the forces speak for, and what they named, unless random torque explains what is left. An effect
-/// against which the forces speak is not sought: it would not be believed.
+/// Of these remain what the forces speak for. Unless random torque explains what is left, bristles and what they named
+/// remain too. An effect against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
         return Vec::new();
@@ -168,7 +168,8 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let taken_back = found.effects.is_empty() && !ruling.findings.is_empty();
     let weighed = found.over_noise() > AT_THE_NOISE && ruling.tells_what_is_left() && !taken_back;
     let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
-    let open = |kind: Kind| ruling.supports(kind) || named(kind) && !ruling.shaken();
+    let shaken = ruling.shaken();
+    let open = |kind: Kind| ruling.supports(kind) || !shaken && (named(kind) || !tells(kind));
     let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || corroboration::speaks_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }

@@ -26,6 +26,11 @@ pub(super) fn one_wave(model: &Model, index: usize, fitted: &Fitted) -> Option<T
     Some(Term { u: joined(&term.u)?, a: joined(&term.a)?, ..term.clone() })
 }
 
+/// Whether one amplitude can change the evidence for many.
+pub(super) fn is_open(own: &Evidence) -> bool {
+    matches!(own.rejection, None | Some(Rejection::Coherence | Rejection::Disagreement(_)))
+}
+
 /// The evidence for waves of recordings that each have their own zero: `own` with an amplitude for each, `one` with one
 /// for all. One amplitude must gain nearly as much. The many follow the noise of their side, so that the sides may seem to
 /// disagree. Then the one amplitude decides.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::bar::{self, Bar};
 use super::evidence::{Evidence, Rejection, weigh};
 use super::library::Library;
-use super::one_wave::{as_one_wave, one_wave};
+use super::one_wave::{as_one_wave, is_open, one_wave};
 use super::regression::rms;
 use super::review;
 use super::settings::Settings;
@@ -182,7 +182,7 @@ impl<'a> Stage<'a> {
             weigh(self.form, &self.weights, before, after, (model, index), bar, self.settings)
         };
         let own = weigh(after, model);
-        let Some(term) = one_wave(model, index, after) else { return own };
+        let Some(term) = one_wave(model, index, after).filter(|_| is_open(&own)) else { return own };
         let mut one = model.clone();
         one.terms[index] = term;
         self.fit(&one).map_or(own, |after| as_one_wave(own, weigh(&after, &one), self.settings))

@@ -11,8 +11,8 @@ use super::{LINES, Library, effect};
 
 /// Effects of session time.
 pub(super) const OF_TIME: [Kind; 4] = [Kind::FrictionDrift, Kind::GainDrift, Kind::TimePeriodic, Kind::InertiaStep];
-/// Time constants of a friction's warm-up, as shares of the session. The longest is a straight line to 2 %.
-pub(super) const WARM_UPS: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 3.0];
+/// Time constants of a friction's warm-up, as shares of the session. The longest is a straight line to 5 % of its rise.
+const WARM_UPS: [f64; 5] = [0.1, 0.2, 0.4, 0.8, 3.0];
 /// Parts of a session. The inertia may step where one ends and the next begins.
 const INSTANTS: u32 = 24;
 /// Largest share of the samples in which a periodic force may be a harmonic of the drive. The others must show it.
