@@ -26,19 +26,20 @@ pub(super) fn one_wave(model: &Model, index: usize, fitted: &Fitted) -> Option<T
     Some(Term { u: joined(&term.u)?, a: joined(&term.a)?, ..term.clone() })
 }
 
-/// Whether one amplitude can change the evidence for many.
+/// Whether one amplitude can change the evidence for many: these gain, and the motion is physical with them.
 pub(super) fn is_open(own: &Evidence) -> bool {
-    matches!(own.rejection, None | Some(Rejection::Coherence | Rejection::Disagreement(_)))
+    own.gain() > 0.0 && !matches!(own.rejection, Some(Rejection::Inertia | Rejection::Base))
 }
 
 /// The evidence for waves of recordings that each have their own zero: `own` with an amplitude for each, `one` with one
 /// for all. One amplitude must gain nearly as much. The many follow the noise of their side, so that the sides may seem to
 /// disagree. Then the one amplitude decides.
 pub(super) fn as_one_wave(own: Evidence, one: Evidence, settings: &Settings) -> Evidence {
-    let differ = one.gain() < settings.tie * own.gain();
+    if one.gain() < settings.tie * own.gain() {
+        return Evidence { rejection: Some(Rejection::Amplitude), ..own };
+    }
     match own.rejection {
-        None if differ => Evidence { rejection: Some(Rejection::Amplitude), ..own },
-        Some(Rejection::Coherence | Rejection::Disagreement(_)) if !differ && one.rejection.is_none() => {
+        Some(Rejection::Coherence | Rejection::Disagreement(_)) if one.rejection.is_none() => {
             Evidence { disagreement: one.disagreement, coherence: one.coherence, rejection: None, ..own }
         }
         _ => own,
@@ -101,9 +102,10 @@ mod tests {
         let many = evidence(1.0, None);
         assert_eq!(of(many, evidence(0.6, None)), Some(Rejection::Amplitude));
         assert_eq!(of(many, evidence(0.8, Some(Rejection::Gain))), None);
+        assert_eq!(of(evidence(1.0, Some(Rejection::Gain)), evidence(0.6, None)), Some(Rejection::Amplitude));
         let apart = evidence(1.0, Some(Rejection::Disagreement(0.4)));
         assert_eq!(of(apart, evidence(0.8, None)), None);
-        assert_eq!(of(apart, evidence(0.6, None)), Some(Rejection::Disagreement(0.4)));
+        assert_eq!(of(apart, evidence(0.6, None)), Some(Rejection::Amplitude));
         assert_eq!(of(apart, evidence(0.8, Some(Rejection::Gain))), Some(Rejection::Disagreement(0.4)));
     }
 
