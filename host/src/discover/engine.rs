@@ -33,6 +33,9 @@ use crate::recording::{Recording, Units, in_session_order};
 const ROUGH: f64 = 150.0;
 /// Held-out simulation error, over the sensor's noise, up to which nothing but that noise is left.
 const AT_THE_NOISE: f64 = 1.1;
+/// The same ratio, above which the forces tell more of what is left than the motion. Nearer to the noise the motion tells
+/// effects that act in few samples, as a drive that is clipped now and then.
+const FAR: f64 = 10.0;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// Largest factor between a given model's inertia and the recordings'. Beyond it the model is of another machine, or in
@@ -157,7 +160,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 }
 
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
-/// off by a tooth. Where the forces tell what is left, they have weighed the effects that act in no less than a window.
+/// off by a tooth. Where random torque explains what is left, or the motion is far off and the forces tell what is left,
+/// these have weighed the effects that act in no less than a window.
 /// Of these remain what the forces speak for. Unless random torque explains what is left, bristles and what they named
 /// remain too. An effect against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
@@ -166,7 +170,8 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     }
     // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
     let taken_back = found.effects.is_empty() && !ruling.findings.is_empty();
-    let weighed = found.over_noise() > AT_THE_NOISE && ruling.tells_what_is_left() && !taken_back;
+    let far = found.over_noise() > FAR && ruling.tells_what_is_left();
+    let weighed = found.over_noise() > AT_THE_NOISE && (far || ruling.shaken()) && !taken_back;
     let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
     let shaken = ruling.shaken();
     let open = |kind: Kind| ruling.supports(kind) || !shaken && (named(kind) || !tells(kind));

@@ -260,6 +260,11 @@ impl Complete {
         let gain = settings.over_decoys * best_decoy(&last.tried, settings);
         Some(Self { of_the_drive: settings.predictable, gain })
     }
+
+    /// Whether a term is named that predicts this share of the drive and gains so many nats.
+    fn names(&self, of_the_drive: f64, gain: f64) -> bool {
+        of_the_drive >= self.of_the_drive && gain >= self.gain
+    }
 }
 
 /// The named effects, and the effects that are seen beside them with their shares of the energy of the gap.
@@ -273,8 +278,8 @@ fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> (Vec<Find
         let share = left - after;
         left = after;
         let of_the_drive = share.sqrt() * own.residual[0][0];
-        let small = share < MATERIAL
-            && complete.as_ref().is_none_or(|least| of_the_drive < least.of_the_drive || evidence.gain() < least.gain);
+        let material = complete.as_ref().is_some_and(|least| least.names(of_the_drive, evidence.gain()));
+        let small = share < MATERIAL && !material;
         if let (false, true, Name::Effect(kind)) = (findings.is_empty(), small, term.name) {
             seen.push((kind, share));
             continue;
@@ -379,21 +384,25 @@ mod tests {
     use super::super::bar::tests::Axis;
     use super::*;
 
-    /// A drag beside a constant load that leaves forty times its force. It carries less than a tenth of the energy of the
-    /// gap, and nothing else is left. It is named where it predicts 2 % of the drive, and only seen where it predicts less.
+    /// A drag beside a constant load. The load leaves less than a tenth of the energy of the gap, so that the drag carries
+    /// less. It is named, because nothing else is left.
     #[test]
     fn a_small_effect_is_named_where_nothing_else_is_left() {
-        let of = |drag: f64| {
-            let axis = Axis { f1: 0.1, drag, load: 0.2, seed: 1 };
-            let recordings = [axis.recording(), Axis { seed: 2, ..axis }.recording()];
-            let ruling = rule(&recordings, None, &Settings::default()).unwrap();
-            let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
-            let seen: Vec<Kind> = ruling.seen.iter().map(|(kind, _)| *kind).collect();
-            (names, seen)
-        };
-        let (load, drag) = (Kind::ConstantLoad, Kind::QuadraticDrag);
-        assert_eq!(of(0.003), (vec![load, drag], vec![]));
-        assert_eq!(of(0.0008), (vec![load], vec![drag]));
+        let axis = Axis { f1: 0.1, drag: 0.003, load: 0.2, seed: 1 };
+        let recordings = [axis.recording(), Axis { seed: 2, ..axis }.recording()];
+        let ruling = rule(&recordings, None, &Settings::default()).unwrap();
+        let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert_eq!(names, [Kind::ConstantLoad, Kind::QuadraticDrag]);
+        let left = (-2.0 * ruling.findings[0].gain).exp();
+        assert!(left < MATERIAL, "{left}");
+    }
+
+    /// What predicts less than 2 % of the drive is no name, nor is what gains no more than twice what a decoy gains.
+    #[test]
+    fn a_small_effect_must_be_material() {
+        let least = Complete { of_the_drive: 0.02, gain: 0.1 };
+        let named = |of_the_drive, gain| least.names(of_the_drive, gain);
+        assert_eq!([named(0.03, 0.2), named(0.01, 0.2), named(0.03, 0.05)], [true, false, false]);
     }
 
     /// The motion is asked for effects that are seen, and for those that nearly hold.
