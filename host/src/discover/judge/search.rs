@@ -182,7 +182,10 @@ impl<'a> Stage<'a> {
             weigh(self.form, &self.weights, before, after, (model, index), bar, self.settings)
         };
         let own = weigh(after, model);
-        let Some(term) = one_wave(model, index, after).filter(|_| is_open(&own)) else { return own };
+        if !is_open(&own) {
+            return own;
+        }
+        let Some(term) = one_wave(model, index, after) else { return own };
         let mut one = model.clone();
         one.terms[index] = term;
         self.fit(&one).map_or(own, |after| as_one_wave(own, weigh(&after, &one), self.settings))
