@@ -6,7 +6,8 @@
 //! that of docs/discovery.md.
 
 use breakaway::discover::engine::Request;
-use breakaway::discover::judge::ruling::{Finding, Ruling};
+use breakaway::discover::judge::finding::Finding;
+use breakaway::discover::judge::ruling::Ruling;
 use breakaway::discover::judge::settings::Settings;
 use breakaway::discover::ruled::ruled;
 use breakaway_core::plant::Kind;

@@ -1,9 +1,11 @@
 //! The real machines: their files, their splits, and the names of the quick subset. The whole table is
 //! `cargo xtask machines` (docs/machines.md).
 
-use breakaway_tests::machines::catalogue::{CICESE, EMPS, MACHINES, SO101};
+use breakaway_core::plant::Kind;
+use breakaway_tests::machines::catalogue::{AK80, CICESE, EMPS, MACHINES, SO101};
+use breakaway_tests::machines::discovery::Said;
 use breakaway_tests::machines::reading::{ReadingError, read};
-use breakaway_tests::machines::score::Score;
+use breakaway_tests::machines::score::{Score, score};
 use breakaway_tests::machines::splits::{Split, splits, taken};
 use breakaway_tests::machines::{Machine, discovery, drive_free, named, quick};
 use breakaway_tests::measured_data;
@@ -75,24 +77,29 @@ fn the_quick_subset_is_part_of_the_table() {
     }
 }
 
-/// What became of a pair of the quick subset.
-fn discovered(machine: &Machine, split: Split) -> Option<Score> {
+/// What is discovered on all recordings of a machine.
+fn discovered(machine: &Machine) -> Option<Said> {
     let sources = read(machine, &measured_data()?).unwrap();
-    let said = discovery::run(taken(machine, split, &sources), &|_| ());
-    println!("{}, {split}: {} {:?}", machine.name, said.verdict, said.named);
-    Some(breakaway_tests::machines::score::score(&machine.truth, &said.verdict, &said.named))
+    let said = discovery::run(taken(machine, Split::All, &sources), &|_| ());
+    println!("{}: {} {:?}", machine.name, said.verdict, said.named);
+    Some(said)
 }
 
-/// Machines of the quick subset on which no wrong name may be given.
-const NO_WRONG_NAME: [&str; 1] = [EMPS.name];
-
-/// No wrong name on the machines of [`NO_WRONG_NAME`], EMPS being right.
+/// The asymmetric friction of EMPS.
 #[test]
-fn the_quick_subset_has_no_wrong_name_where_that_holds() {
-    for (machine, split) in quick().into_iter().filter(|(machine, _)| NO_WRONG_NAME.contains(&machine.name)) {
-        let Some(score) = discovered(machine, split) else { return };
-        assert_ne!(score, Score::Wrong, "{}, {split}", machine.name);
-    }
+fn emps_is_right() {
+    let Some(said) = discovered(&EMPS) else { return };
+    assert_eq!(score(&EMPS.truth, &said.verdict, &said.named), Score::Right);
+}
+
+/// The gravity load of AK80. The forces speak for a small delay beside it. With the delay the simulated motion is off by
+/// .12 rad after a second, and by .024 rad without it (a fifth; half is asked).
+#[test]
+fn a_small_name_that_the_motion_contradicts_is_not_named() {
+    let Some(said) = discovered(&AK80) else { return };
+    assert_eq!(said.named.iter().map(|own| own.kind).collect::<Vec<_>>(), [Kind::GravityLoad]);
+    let [before, after] = said.open_loop.unwrap();
+    assert!(after < 0.06 && after < before, "{before} {after}");
 }
 
 /// EMPS follows a smooth reference. Over a second a cubic in time is off by more than the published model (0.4 mm),

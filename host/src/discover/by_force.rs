@@ -8,7 +8,8 @@ use super::decide::{NAMING, paired};
 use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::gap::{open_loop_squares, root_mean};
 use super::judge::evidence::Rejection;
-use super::judge::ruling::{Candidacy, Finding, Ruling};
+use super::judge::finding::Finding;
+use super::judge::ruling::{Candidacy, Ruling};
 use super::judge::settings::Settings;
 use super::model::Model;
 use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
@@ -21,7 +22,8 @@ use crate::recording::Units;
 /// Iterations of the fit of the simulated motion.
 const ITERATIONS: usize = 20;
 
-/// The discovery that the judge's ruling gives.
+/// The discovery that the judge's ruling gives, and the ruling. Its small names are only seen where the simulated motion
+/// follows the open loop less well with them.
 ///
 /// # Errors
 /// [`DiscoverError`] where no base can be simulated at all.
@@ -30,27 +32,28 @@ pub(super) fn found(
     units: &Units,
     ruling: &Ruling,
     progress: Watch<'_>,
-) -> Result<Discovery, DiscoverError> {
+) -> Result<(Discovery, Ruling), DiscoverError> {
     let start = prepared(request, FIT_SEGMENT_S, Some(ruling), progress)
         .or_else(|_| prepared(request, SHORT_SEGMENT_S, Some(ruling), progress))?;
     let (data, base) = (&start.data, &start.base);
     progress(Progress::Step("fitting the simulated motion"));
-    let small = |(kind, share): &(Kind, f64)| {
-        format!(
-            "{} is seen too, with {:.0} % of the energy of the gap: too little to be named",
-            kind.name(),
-            100.0 * share
-        )
+    let rotary = radians(units).is_some();
+    let simulated = |ruling: &Ruling| {
+        if ruling.findings.is_empty() { (base.clone(), None) } else { simulated(data, base, ruling, rotary) }
     };
-    let mut remarks: Vec<String> = ruling.seen.iter().map(small).collect();
+    let (mut ruling, mut own) = (ruling.clone(), simulated(ruling));
+    if let Some(less) = ruling.without_small() {
+        let without = simulated(&less);
+        if follows(data, &own.0, &without.0) || follows_for_longer(data, &own.0, &without.0) {
+            (ruling, own) = (less, without);
+        }
+    }
+    let (fit, of_forces) = own;
+    let mut remarks: Vec<String> = ruling.seen.iter().map(seen).collect();
     remarks.extend(ruling.of_recordings.map(|[own, all]| {
         format!("{own} of {all} recordings name it alone and together; the others hold too little of it")
     }));
-    let fit = if ruling.findings.is_empty() {
-        base.clone()
-    } else {
-        simulated(data, base, ruling, radians(units).is_some(), &mut remarks)
-    };
+    remarks.extend(of_forces);
     let errors = data.problem().covariance(&fit);
     let known = base.candidate.effects.len();
     let named = ruling.findings.iter().enumerate().map(|(j, finding)| {
@@ -64,28 +67,41 @@ pub(super) fn found(
     if !ruling.findings.is_empty() {
         ladder.push(rung(data, &fit));
     }
-    if let Some(reason) = contradicted(ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
+    if let Some(reason) = contradicted(&ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
         remarks.push(reason);
         let doubted = Ruling { findings: Vec::new(), seen: Vec::new(), ..ruling.clone() };
-        let mut found = self::found(request, units, &doubted, progress)?;
+        let (mut found, _) = self::found(request, units, &doubted, progress)?;
         found.remarks.extend(remarks);
         if ruling.explains_of_the_drive() > Settings::default().predictable {
             found.verdict = Verdict::Unknown;
         }
-        return Ok(found);
+        return Ok((found, ruling));
     }
     let ended = Ended {
-        verdict: verdict(ruling),
+        verdict: verdict(&ruling),
         named: named.collect(),
         errors,
         fit,
         ladder,
-        first_round: ruling.candidates.iter().map(|own| row(own, ruling)).collect(),
+        first_round: ruling.candidates.iter().map(|own| row(own, &ruling)).collect(),
         closest: None,
         tie: None,
         remarks,
     };
-    Ok(assembled(request, &start, units, ended, progress))
+    Ok((assembled(request, &start, units, ended, progress), ruling))
+}
+
+/// The remark on an effect that is seen.
+fn seen((kind, share): &(Kind, f64)) -> String {
+    let percent = 100.0 * share;
+    format!("{} is seen too, with {percent:.0} % of the energy of the gap: too little to be named", kind.name())
+}
+
+/// Held-out error over 1 s in open loop, position units; over segments where no window of 1 s is held out.
+fn open_loop(data: &Data, fit: &Fit) -> f64 {
+    let windows = open_loop_squares(data, &data.open_loop, fit);
+    let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
+    if count > 0 { (square / count as f64).sqrt() } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
 }
 
 /// Whether `fit` follows most held-out segments better than `base`. Where another effect is missing too, a few segments
@@ -93,8 +109,22 @@ pub(super) fn found(
 fn follows(data: &Data, base: &Fit, fit: &Fit) -> bool {
     let held_out = data.over(&data.score);
     let [before, after] = [base, fit].map(|fit| held_out.score(&fit.candidate));
-    let samples = vec![1.0; after.len()];
-    let compared = paired(&before, &after, &samples, data.sigma);
+    mostly_better(data, &before, &after)
+}
+
+/// The same over windows of 1 s in open loop.
+fn follows_for_longer(data: &Data, base: &Fit, fit: &Fit) -> bool {
+    let mean = |(square, count): (f64, usize)| square / count.max(1) as f64;
+    let [before, after] = [base, fit].map(|fit| {
+        let windows = open_loop_squares(data, &data.open_loop, fit);
+        windows.into_iter().map(mean).collect::<Vec<f64>>()
+    });
+    mostly_better(data, &before, &after)
+}
+
+/// Whether mean squares fall, significantly over the windows.
+fn mostly_better(data: &Data, before: &[f64], after: &[f64]) -> bool {
+    let compared = paired(before, after, &vec![1.0; after.len()], data.sigma);
     compared.delta >= NAMING.delta && compared.z >= NAMING.z
 }
 
@@ -147,8 +177,8 @@ fn verdict(ruling: &Ruling) -> Verdict {
 /// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in three
 /// cases. The motion gives none; or it loses an effect; or its parameters follow the open loop less well. The last
 /// happens behind teeth, where a simulated rotor is soon off by one. Where neither can be simulated the base is
-/// returned.
-fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool, remarks: &mut Vec<String>) -> Fit {
+/// returned. The remark says why they are those of the force fit.
+fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Option<String>) {
     let mut candidate = Candidate { base: ruling.base, effects: base.candidate.effects.clone() };
     candidate.effects.extend(ruling.findings.iter().map(|finding| finding.effect));
     let known = base.candidate.effects.len();
@@ -165,30 +195,27 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool, remarks: &m
         (Ok(own), Some(Ok(whole))) if whole.cost < own.cost => Ok(whole),
         (own, _) => own,
     };
-    let open_loop = |fit: &Fit| {
-        let windows = open_loop_squares(data, &data.open_loop, fit);
-        let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
-        if count > 0 { square / count as f64 } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
-    };
     let (by_force, by_motion) = match (by_force, by_motion) {
         (Ok(force), Ok(motion)) => (force, motion),
-        (Err(_), Ok(motion)) => return canonical(motion),
+        (Err(_), Ok(motion)) => return (canonical(motion), None),
         (Ok(force), Err(error)) => {
-            remarks
-                .push(format!("the parameters are those of the force fit: the simulated motion gives none ({error})"));
-            return force;
+            return (force, Some(of_the_force_fit(&format!("the simulated motion gives none ({error})"))));
         }
-        (Err(_), Err(_)) => return base.clone(),
+        (Err(_), Err(_)) => return (base.clone(), None),
     };
     let reason = if let Some(name) = lost(&by_motion.candidate, known, ruling) {
         format!("with those of the simulated motion nothing would be left of {name}")
-    } else if open_loop(&by_force) < open_loop(&by_motion) {
+    } else if open_loop(data, &by_force) < open_loop(data, &by_motion) {
         "those of the simulated motion follow the open loop less well".to_owned()
     } else {
-        return canonical(by_motion);
+        return (canonical(by_motion), None);
     };
-    remarks.push(format!("the parameters are those of the force fit: {reason}"));
-    by_force
+    (by_force, Some(of_the_force_fit(&reason)))
+}
+
+/// The remark on parameters that are not those of the simulated motion.
+fn of_the_force_fit(reason: &str) -> String {
+    format!("the parameters are those of the force fit: {reason}")
 }
 
 /// The candidate with a whole number of waves in a turn for each effect after the first `known` that is near one.

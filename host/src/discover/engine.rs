@@ -115,7 +115,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
     let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
-    let mut found = if let (Some(Ok(by_force)), Some(ruling)) = (by_force, &ruling) {
+    let mut found = if let Some(Ok((by_force, ruling))) = by_force {
+        let ruling = &ruling;
         let kinds = left_to_the_motion(ruling, &by_force);
         let small = (!kinds.is_empty())
             .then(|| {

@@ -5,8 +5,9 @@ use breakaway_core::plant::{Effect, Kind};
 use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{Prepared, Request, prepared};
+use super::judge::finding::Finding;
 use super::judge::library::weighs;
-use super::judge::ruling::{Finding, Ruling};
+use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::Discovery;
 use super::progress::{Progress, Watch};
@@ -54,7 +55,7 @@ pub(super) fn compared(
     if !changed {
         return found;
     }
-    by_force::found(request, units, &Ruling { findings, ..ruling.clone() }, progress).unwrap_or(found)
+    by_force::found(request, units, &Ruling { findings, ..ruling.clone() }, progress).map_or(found, |(found, _)| found)
 }
 
 /// The effect of `kinds` with the lowest cost in the place of finding `j`; `None` where none does as well.

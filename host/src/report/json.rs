@@ -116,7 +116,7 @@ fn unexplained(discovery: &Discovery, force: &Force) -> UnexplainedJson {
         rms: share * drive_rms,
         unit: discovery.units.u.clone(),
         percent_of_drive: 100.0 * share,
-        bandwidth_hz: crate::discover::judge::ruling::bandwidth_hz(force.half_width_s),
+        bandwidth_hz: crate::discover::judge::remainder::bandwidth_hz(force.half_width_s),
     };
     let most = |share: fn(&WhereRow) -> f64| {
         let rows = discovery.where_map.iter();

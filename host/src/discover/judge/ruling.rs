@@ -5,32 +5,13 @@ use breakaway_core::plant::{Base, Effect, Kind};
 use super::bar::best_decoy;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
-use super::regression::rms;
-use super::search::{Bearing, Judged, Outcome, Round, Tried, judge};
+use super::finding::{Finding, findings};
+use super::remainder::{Remainder, WIDE, remainder, remainder_of};
+use super::search::{Judged, Outcome, Tried, judge};
 use super::settings::Settings;
-use super::start::{self, Errors};
 use super::term::Name;
 use super::weak_form::WeakForm;
 use crate::recording::Recording;
-
-/// An effect that is named from the measured forces.
-#[derive(Clone, Debug)]
-pub struct Finding {
-    /// The effect with the parameters of the force fit.
-    pub effect: Effect<f64>,
-    /// Standard errors of its parameters; NaN where the force fit gives none.
-    pub errors: Errors,
-    /// Indices of the parameters that are held.
-    pub held: Vec<usize>,
-    /// Whether each recording has its own phase, or its own place of rest.
-    pub own_zeros: bool,
-    /// Effects that these recordings do not tell from it. The number is the finding's lead, in standard deviations.
-    pub tied: Vec<(Kind, f64)>,
-    /// Gain of the side that gains less, nats, and its z over blocks.
-    pub gain: f64,
-    /// See `gain`.
-    pub z: f64,
-}
 
 /// A candidate of the first round.
 #[derive(Clone, Copy, Debug)]
@@ -43,23 +24,6 @@ pub struct Candidacy {
     pub z: f64,
     /// Why it is no name; `None` if it holds.
     pub rejection: Option<Rejection>,
-}
-
-/// What the force that no effect explains looks like.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Remainder {
-    /// What predicts a part of it on held-out data; `None` if nothing does.
-    pub predictable: Option<Name>,
-    /// Its rms, drive units, in windows so wide that the sensor's noise does not count.
-    pub rms_u: f64,
-    /// The same over the rms of the drive.
-    pub share: f64,
-    /// Highest frequency that these windows let pass, Hz.
-    pub bandwidth_hz: f64,
-    /// The rms over what the sensor's noise makes of it.
-    pub over_noise: f64,
-    /// Largest z over blocks, on the side that tells less, of anything that was tried beside the final model.
-    pub significance: f64,
 }
 
 /// What the judge says.
@@ -145,6 +109,14 @@ impl Ruling {
         let [base, left] = self.residual_u;
         (base * base - left * left).max(0.0).sqrt()
     }
+    /// The ruling with its small findings seen only; `None` where it has none.
+    pub fn without_small(&self) -> Option<Self> {
+        let (small, findings): (Vec<Finding>, Vec<Finding>) =
+            self.findings.iter().cloned().partition(|finding| finding.small_share.is_some());
+        let seen = small.iter().filter_map(|finding| Some((finding.effect.kind, finding.small_share?)));
+        let seen = self.seen.iter().copied().chain(seen).collect();
+        (!small.is_empty()).then(|| Self { findings, seen, ..self.clone() })
+    }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
     pub fn beside(mut self, known: &[Effect<f64>]) -> Self {
@@ -155,8 +127,6 @@ impl Ruling {
 
 /// Widths that are tried, as multiples of the narrowest that the noise allows. A ripple is sought in all but the last.
 const WIDTHS: [f64; 4] = [1.0, 1.3, 2.0, WIDE];
-/// See [`WIDTHS`]: the windows in which the sensor's noise does not count.
-const WIDE: f64 = 4.0;
 
 /// Rules over `recordings`, whose position unit has so many radians; `None` where they hold too little motion.
 pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {
@@ -241,112 +211,6 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
     Some(Candidacy { kind, gain: tried.gain, z: tried.evidence[0].z(), rejection: tried.rejection() })
 }
 
-/// Least share of the energy of the gap that each name after the first must carry, where something else may be missing.
-/// An effect below it is seen, and is not what is missing.
-const MATERIAL: f64 = 0.1;
-
-/// What a name after the first needs, beside [`MATERIAL`].
-struct Complete {
-    /// Share of the drive that it must predict.
-    of_the_drive: f64,
-    /// Least gain, nats.
-    gain: f64,
-}
-
-impl Complete {
-    /// `None` where the search ended before nothing was left to be tried.
-    fn of(own: &Judged, settings: &Settings) -> Option<Self> {
-        let last = own.rounds.last().filter(|round| round.outcome == Outcome::Nothing)?;
-        let gain = settings.over_decoys * best_decoy(&last.tried, settings);
-        Some(Self { of_the_drive: settings.predictable, gain })
-    }
-
-    /// Whether a term is named that predicts this share of the drive and gains so many nats.
-    fn names(&self, of_the_drive: f64, gain: f64) -> bool {
-        of_the_drive >= self.of_the_drive && gain >= self.gain
-    }
-}
-
-/// The named effects, and the effects that are seen beside them with their shares of the energy of the gap.
-fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> (Vec<Finding>, Vec<(Kind, f64)>) {
-    let complete = Complete::of(own, settings);
-    let (mut findings, mut seen) = (Vec::new(), Vec::new());
-    // Energy that is left of the base's, by the gains of side U.
-    let mut left = 1.0;
-    for (index, (term, Bearing { evidence, tied })) in own.model.terms.iter().zip(&own.bearings).enumerate() {
-        let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
-        let share = left - after;
-        left = after;
-        let of_the_drive = share.sqrt() * own.residual[0][0];
-        let material = complete.as_ref().is_some_and(|least| least.names(of_the_drive, evidence.gain()));
-        let small = share < MATERIAL && !material;
-        if let (false, true, Name::Effect(kind)) = (findings.is_empty(), small, term.name) {
-            seen.push((kind, share));
-            continue;
-        }
-        // A delay shorter than the interval at which the position is read belongs to the sensor's clock, and is no
-        // name.
-        if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
-            continue;
-        }
-        if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
-            findings.push(Finding {
-                effect,
-                errors,
-                held,
-                own_zeros: term.own_zeros,
-                tied: tied.clone(),
-                gain: evidence.gain(),
-                z: evidence.z(),
-            });
-        }
-    }
-    (findings, seen)
-}
-
-/// What is left in windows so wide that the sensor's noise does not count.
-fn remainder(
-    dataset: &Dataset,
-    own: &Judged,
-    narrowest: f64,
-    predictable: Option<Name>,
-    settings: &Settings,
-) -> Option<Remainder> {
-    let widest = settings.half_widths_s.last().copied()?;
-    let wide = settings.half_widths_s.iter().copied().find(|width| *width >= WIDE * narrowest).unwrap_or(widest);
-    let form = WeakForm::new(dataset, wide, settings)?;
-    let fitted = own.model.refitted(&form, settings)?;
-    let own = Judged { fitted, ..own.clone() };
-    remainder_of(&form, &own, predictable)
-}
-
-/// Largest z, on the side that tells less, in a round. Only terms that were tried alone and gain over all rows count.
-fn significance(round: &Round) -> f64 {
-    let possible = |t: &&Tried| !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Amplitude));
-    let alone = round.tried.iter().filter(|t| t.terms.len() == 1).filter(possible);
-    alone.filter(|t| t.gain > 0.0).map(|t| t.evidence[0].z()).fold(0.0, f64::max)
-}
-
-/// Highest frequency that windows of a half-width, s, let pass, Hz. The transform of (1 − s²)³ falls to a half at 2.4
-/// radians in a half-width.
-pub fn bandwidth_hz(half_width_s: f64) -> f64 {
-    2.4 / (std::f64::consts::TAU * half_width_s)
-}
-
-fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Option<Name>) -> Option<Remainder> {
-    let left = rms(&own.fitted.u.residual);
-    let share = left / rms(&form.row_u);
-    let noise = own.fitted.u.b.abs() * form.noise_a;
-    share.is_finite().then_some(Remainder {
-        predictable,
-        rms_u: left,
-        share,
-        bandwidth_hz: bandwidth_hz(form.half_width_s),
-        over_noise: left / noise.max(f64::MIN_POSITIVE),
-        significance: own.rounds.last().map_or(0.0, significance),
-    })
-}
-
 #[cfg(test)]
 impl Ruling {
     /// A ruling that names these effects, with nothing predictable left; `share` of the drive and `over_noise` are.
@@ -357,6 +221,7 @@ impl Ruling {
             held: Vec::new(),
             own_zeros: false,
             tied: Vec::new(),
+            small_share: None,
             gain: 1.0,
             z: 9.0,
         };
@@ -381,29 +246,7 @@ impl Ruling {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bar::tests::Axis;
     use super::*;
-
-    /// A drag beside a constant load. The load leaves less than a tenth of the energy of the gap, so that the drag carries
-    /// less. It is named, because nothing else is left.
-    #[test]
-    fn a_small_effect_is_named_where_nothing_else_is_left() {
-        let axis = Axis { f1: 0.1, drag: 0.003, load: 0.2, seed: 1 };
-        let recordings = [axis.recording(), Axis { seed: 2, ..axis }.recording()];
-        let ruling = rule(&recordings, None, &Settings::default()).unwrap();
-        let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
-        assert_eq!(names, [Kind::ConstantLoad, Kind::QuadraticDrag]);
-        let left = (-2.0 * ruling.findings[0].gain).exp();
-        assert!(left < MATERIAL, "{left}");
-    }
-
-    /// What predicts less than 2 % of the drive is no name, nor is what gains no more than twice what a decoy gains.
-    #[test]
-    fn a_small_effect_must_be_material() {
-        let least = Complete { of_the_drive: 0.02, gain: 0.1 };
-        let named = |of_the_drive, gain| least.names(of_the_drive, gain);
-        assert_eq!([named(0.03, 0.2), named(0.01, 0.2), named(0.03, 0.05)], [true, false, false]);
-    }
 
     /// The motion is asked for effects that are seen, and for those that nearly hold.
     #[test]
@@ -416,5 +259,17 @@ mod tests {
         };
         let supported = [Kind::Cogging, Kind::Delay, Kind::Spring].map(|kind| ruling.supports(kind));
         assert_eq!(supported, [true, true, false]);
+    }
+
+    /// A small finding is seen with its share. The others stay, and so does what was seen.
+    #[test]
+    fn small_findings_may_be_seen_only() {
+        let mut ruling = Ruling::naming(&[Kind::GravityLoad, Kind::Delay], [0.05, 9.0]);
+        assert!(ruling.without_small().is_none());
+        ruling.findings[1].small_share = Some(0.03);
+        ruling.seen = vec![(Kind::Cogging, 0.01)];
+        let less = ruling.without_small().unwrap();
+        assert_eq!(less.findings.iter().map(|own| own.effect.kind).collect::<Vec<_>>(), [Kind::GravityLoad]);
+        assert_eq!(less.seen, [(Kind::Cogging, 0.01), (Kind::Delay, 0.03)]);
     }
 }

@@ -6,7 +6,8 @@ use std::f64::consts::{PI, TAU};
 use breakaway_core::plant::{Effect, Kind};
 
 use super::dataset::Dataset;
-use super::ruling::{Finding, Ruling};
+use super::finding::Finding;
+use super::ruling::Ruling;
 use super::settings::Settings;
 use super::weak_form::{Sample, WeakForm};
 use crate::fit::golden_section;
