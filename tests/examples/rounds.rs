@@ -9,8 +9,9 @@ use breakaway::discover::engine::Request;
 use breakaway::discover::judge::dataset::Dataset;
 use breakaway::discover::judge::regression::rms;
 use breakaway::discover::judge::ruling::Ruling;
-use breakaway::discover::judge::search::{Tried, judge};
+use breakaway::discover::judge::search::judge;
 use breakaway::discover::judge::settings::Settings;
+use breakaway::discover::judge::tried::Tried;
 use breakaway::discover::judge::weak_form::WeakForm;
 use breakaway::discover::ruled::{radians, ruled};
 use breakaway_hidden::Role;
@@ -110,9 +111,21 @@ fn requests(asked: &Asked) -> Vec<(String, Request)> {
             .unwrap_or_else(|error| panic!("{error}"));
         all.extend(cases.iter().map(|case| {
             let (session, truth) = case.generate_with_truth();
-            let hidden: Vec<&str> = truth.effects.iter().map(|effect| effect.hidden.name()).collect();
+            let hidden: Vec<String> =
+                truth.effects.iter().map(|own| format!("{} {:?}", own.hidden.name(), own.parameters)).collect();
+            let base = truth.base;
             (
-                format!("{} {} {} %", case.seed, hidden.join("+"), truth.size_percent),
+                format!(
+                    "{} {} %: {}; b {:.4} c {:.4} f1 {:.3}, gap {:.1} of {:.1} %",
+                    case.seed,
+                    truth.size_percent,
+                    hidden.join(" + "),
+                    base.b,
+                    base.c,
+                    base.f1,
+                    truth.gap_rms_refit_percent,
+                    truth.gap_rms_percent
+                ),
                 request(&recordings(&session, Role::Fit)),
             )
         }));
@@ -130,7 +143,7 @@ fn main() {
             println!("## {name}: no ruling");
             continue;
         };
-        println!("## {name}: {}", in_words(&ruling));
+        println!("## {name}\n   says {}", in_words(&ruling));
         println!("   base {:?}, age {:?} s, remainder {:?}", ruling.base, own.age_s, ruling.remainder);
         if asked.lines == 0 {
             continue;

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::evidence::{Evidence, Rejection};
-use super::search::{Stage, Tried, best_of_each};
+use super::search::Stage;
 use super::settings::Settings;
 use super::term::{Name, Term};
+use super::tried::{Tried, best_of_each};
 
 /// The gains that a name needs in these recordings.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::bar::Bar;
 use super::library::Library;
-use super::search::{Stage, Tried};
+use super::search::Stage;
+use super::tried::Tried;
 use crate::fit::golden_section;
 
 /// Steps of a golden section. They narrow the bracket to a hundredth.

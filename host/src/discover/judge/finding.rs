@@ -3,7 +3,8 @@
 use breakaway_core::plant::{Effect, Kind};
 
 use super::bar::best_decoy;
-use super::search::{Bearing, Judged, Outcome};
+use super::outcome::Outcome;
+use super::search::{Bearing, Judged};
 use super::settings::Settings;
 use super::start::{self, Errors};
 use super::term::Name;

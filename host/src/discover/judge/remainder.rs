@@ -2,10 +2,12 @@
 
 use super::dataset::Dataset;
 use super::evidence::Rejection;
+use super::outcome::Round;
 use super::regression::rms;
-use super::search::{Judged, Round, Tried};
+use super::search::Judged;
 use super::settings::Settings;
 use super::term::Name;
+use super::tried::Tried;
 use super::weak_form::WeakForm;
 
 /// What the force that no effect explains looks like.

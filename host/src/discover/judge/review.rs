@@ -6,9 +6,11 @@ use rayon::prelude::*;
 
 use super::bar::Bar;
 use super::evidence::Rejection;
-use super::search::{Bearing, Stage, Tried, best_of_each, tied};
+use super::outcome::tied;
+use super::search::{Bearing, Stage};
 use super::sides::Model;
 use super::term::Name;
+use super::tried::{Tried, best_of_each};
 
 /// Share of an effect's gain from which a rival is near enough for its parameters to be sought.
 const NEAR: f64 = 0.5;

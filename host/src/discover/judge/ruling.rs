@@ -6,10 +6,12 @@ use super::bar::best_decoy;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::finding::{Finding, findings};
+use super::outcome::Outcome;
 use super::remainder::{Remainder, WIDE, remainder, remainder_of};
-use super::search::{Judged, Outcome, Tried, judge};
+use super::search::{Judged, judge};
 use super::settings::Settings;
 use super::term::Name;
+use super::tried::Tried;
 use super::weak_form::WeakForm;
 use crate::recording::Recording;
 

@@ -8,73 +8,14 @@ use super::bar::{self, Bar};
 use super::evidence::{Evidence, Rejection, weigh};
 use super::library::Library;
 use super::one_wave::{as_one_wave, is_open, one_wave};
+use super::outcome::{Outcome, Round, decide, inconsistent_rival};
 use super::regression::rms;
 use super::review;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
+use super::tried::{Tried, best_of_each, rank};
 use super::weak_form::WeakForm;
-
-/// Terms, or pairs of them, that were tried beside a model.
-#[derive(Clone, Debug)]
-pub struct Tried {
-    /// The new terms: one, or two.
-    pub terms: Vec<Term>,
-    /// What speaks for each of them beside all others.
-    pub evidence: Vec<Evidence>,
-    /// The smaller gain of the two sides over the model without any of them, nats.
-    pub gain: f64,
-    /// Sum of the squares that it leaves in every block, on side U and on side A.
-    pub blocks: [Vec<f64>; 2],
-}
-
-impl Tried {
-    /// Why it cannot be named; `None` if every term holds.
-    pub fn rejection(&self) -> Option<Rejection> {
-        self.evidence.iter().find_map(|e| e.rejection)
-    }
-    /// Amplitudes and parameters.
-    fn size(&self) -> usize {
-        self.terms.iter().map(|t| t.size).sum()
-    }
-    /// How much better it is than another, in standard deviations over blocks (Vuong's test). The side that tells less
-    /// counts.
-    pub fn better_than(&self, other: &Self) -> f64 {
-        let of_side = |side: usize| {
-            let gains: Vec<f64> =
-                other.blocks[side].iter().zip(&self.blocks[side]).map(|(theirs, own)| theirs - own).collect();
-            let n = gains.len().max(2) as f64;
-            let mean = gains.iter().sum::<f64>() / n;
-            let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
-        };
-        of_side(0).min(of_side(1))
-    }
-    /// The names.
-    pub fn names(&self) -> Vec<Name> {
-        self.terms.iter().map(|t| t.name).collect()
-    }
-}
-
-/// One round: what was tried, and its outcome.
-#[derive(Clone, Debug)]
-pub struct Round {
-    /// The best of every name, in order of the smaller gain.
-    pub tried: Vec<Tried>,
-    /// What it came to.
-    pub outcome: Outcome,
-}
-
-/// The outcome of a round.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    /// Names, and the names that are tied with them.
-    Named(Vec<Name>, Vec<Name>),
-    /// This gains, and is a decoy or inconsistent.
-    Unknown(Name),
-    /// Nothing gains.
-    Nothing,
-}
 
 /// What speaks for a term of the final model.
 #[derive(Clone, Debug)]
@@ -297,121 +238,6 @@ impl<'a> Stage<'a> {
 const PAIR_GAIN: f64 = 0.05;
 /// Most terms that are tried with a partner.
 const PAIR_FIRSTS: usize = 4;
-/// Gain on side U above which a term predicts a part of what is left, nats.
-const PREDICTS: f64 = 0.05;
-
 fn score(tried: &Tried) -> f64 {
     tried.evidence[0].u.flat.max(0.0) + tried.evidence[0].a.flat.max(0.0)
-}
-
-/// Whether an effect or a decoy that does not hold gains more than every one that does.
-fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
-    let holds = tried.iter().filter(|t| t.rejection().is_none()).map(|t| t.gain).fold(0.0, f64::max);
-    let possible = tried.iter().filter(|t| !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base)));
-    possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
-}
-
-/// The best of every name. One zero for all recordings is preferred to one for each, unless the latter does better with
-/// the z of a name.
-pub(super) fn best_of_each(mut all: Vec<Tried>, settings: &Settings) -> Vec<Tried> {
-    all.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
-    let mut best: Vec<Tried> = Vec::new();
-    for one in all {
-        let Some(own) = best.iter_mut().find(|t| t.names() == one.names()) else {
-            best.push(one);
-            continue;
-        };
-        let zeros = |tried: &Tried| tried.terms.iter().filter(|t| t.own_zeros).count();
-        let as_well = own.rejection() == one.rejection() && own.better_than(&one) < settings.z;
-        if as_well && zeros(&one) < zeros(own) {
-            *own = one;
-        }
-    }
-    best
-}
-
-/// Parts of a nat in which gains are compared. The rounding of numbers, which differs from one machine to another, must
-/// not choose among equals.
-const PARTS: f64 = 1e9;
-
-/// Order of what was tried: consistent ones first, then by the smaller gain.
-fn rank(tried: &Tried) -> f64 {
-    if tried.gain.is_finite() {
-        (tried.gain * PARTS).round() / PARTS + if tried.rejection().is_none() { 10.0 } else { 0.0 }
-    } else {
-        f64::NEG_INFINITY
-    }
-}
-
-fn has_body(tried: &Tried) -> bool {
-    tried.terms.iter().any(|term| term.body.is_some())
-}
-
-/// The outcome of a round beside a model that leaves the share `left` of the drive.
-fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
-    let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
-    let names: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
-    let bar_z = |tried: &Tried| settings.least_z(tried.terms[0].chosen_of);
-    // Share of the drive that a term predicts.
-    let predicted = |gain: f64| left * (1.0 - (-2.0 * gain).exp()).sqrt();
-    let strongest = |tried: &[Tried]| {
-        // A wave of another amplitude in each recording is no wave, and predicts nothing of a further recording.
-        let is_one = |t: &&Tried| !t.terms[0].own_zeros || t.rejection() != Some(Rejection::Amplitude);
-        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0).filter(is_one);
-        let alone = alone.filter(|t| t.evidence[0].z() >= bar_z(t));
-        let seen = alone.map(|t| (t, t.evidence[0].u.flat));
-        let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
-        seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)
-    };
-    let Some(best) = names.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
-        return strongest(tried).map_or(Outcome::Nothing, Outcome::Unknown);
-    };
-    // A smaller term is preferred where it costs at most 3 % of the gain.
-    let simple = names.iter().filter(|t| t.gain > 0.97 * best.gain).min_by_key(|t| t.size()).unwrap_or(best);
-    for other in tried.iter().filter(|t| t.terms.len() == 1) {
-        let factor = match other.terms[0].name {
-            // The best damping of a second body decides whether it is a coupling.
-            Name::Decoy(_) if has_body(simple) && other.terms[0].body.is_some() => 1.0,
-            Name::Decoy(_) => settings.decoy,
-            Name::Effect(_) if other.rejection().is_some() => settings.rival,
-            Name::Effect(_) => continue,
-        };
-        // A term that is inconsistent alone speaks for the pair in which it is named.
-        let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
-        let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
-        if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
-            let material = predicted(other.gain) > settings.predictable;
-            return if material { Outcome::Unknown(other.terms[0].name) } else { Outcome::Nothing };
-        }
-    }
-    let mut names: Vec<Name> = Vec::new();
-    for name in tied(simple, tried, &[], settings).flat_map(Tried::names).filter(|n| !simple.names().contains(n)) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    Outcome::Named(simple.names(), names)
-}
-
-/// The rivals of `own` that do as well on both sides. They may miss a bar. One with more parameters counts only where
-/// the two effects resemble each other, or where it was tied `before`.
-pub(super) fn tied<'a>(
-    own: &'a Tried,
-    tried: &'a [Tried],
-    before: &'a [Kind],
-    settings: &'a Settings,
-) -> impl Iterator<Item = &'a Tried> {
-    let resembles = |t: &Tried| {
-        let mut pairs = own.names().into_iter().zip(t.names());
-        pairs.all(|pair| match pair {
-            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other) || before.contains(&other),
-            _ => false,
-        })
-    };
-    tried.iter().filter(move |t| {
-        let effects = t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
-        let near = !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
-        let as_well = t.gain > settings.tie * own.gain && own.better_than(t) < settings.tie_z;
-        effects && near && t.terms.len() == own.terms.len() && as_well && (t.size() <= own.size() || resembles(t))
-    })
 }

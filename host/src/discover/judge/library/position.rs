@@ -22,13 +22,17 @@ impl Library<'_> {
         self.waves(kind, k, audible_part).into_iter().map(|term| term.with(1, k)).collect()
     }
 
-    /// The same for a line of a spectrum of so many lines. Each recording has its own phase only where two turns of the
-    /// ripple are seen for each recording.
+    /// The same for a line of a spectrum of so many lines. Each recording has its own phase only where a recording shows two
+    /// turns of the ripple. A recording that shows less than one is fitted by its phase alone, whatever it holds. So such
+    /// phases count as parameters.
     fn sought(&self, kind: Kind, (k, of_lines): (f64, f64), part: impl Fn(Sample, f64) -> f64) -> Vec<Term> {
         let mut terms = self.ripple(kind, k, part);
-        if self.turns_seen(k) < LEAST_TURNS * self.form.dataset.recordings as f64 {
+        let turns = self.turns_seen_in_each(k);
+        if turns.iter().copied().fold(0.0, f64::max) < LEAST_TURNS {
             terms.truncate(1);
         }
+        let partly = turns.iter().filter(|turns| (f64::MIN_POSITIVE..1.0).contains(*turns)).count();
+        terms.iter_mut().filter(|term| term.own_zeros).for_each(|term| term.size += partly);
         terms.into_iter().map(|term| Term { chosen_of: of_lines, ..term }).collect()
     }
 
@@ -53,6 +57,11 @@ impl Library<'_> {
 
     /// Turns of a ripple that are seen. A turn is eight places; a place counts where the axis passes it slowly enough.
     fn turns_seen(&self, k: f64) -> f64 {
+        self.turns_seen_in_each(k).into_iter().sum()
+    }
+
+    /// The same in each recording.
+    fn turns_seen_in_each(&self, k: f64) -> Vec<f64> {
         let form = self.form;
         let mut places = std::collections::BTreeSet::new();
         for (row, v) in form.rows.iter().zip(&form.row_v) {
@@ -62,7 +71,9 @@ impl Library<'_> {
                     .insert((piece.recording, (k * piece.x[row.centre] * 8.0 / std::f64::consts::TAU).floor() as i64));
             }
         }
-        places.len() as f64 / 8.0
+        let mut turns = vec![0.0; form.dataset.recordings];
+        places.into_iter().for_each(|(recording, _): (usize, i64)| turns[recording] += 1.0 / 8.0);
+        turns
     }
 
     /// The same ripple over position with another wave number.
@@ -134,19 +145,19 @@ mod tests {
     const F1: f64 = 0.3;
     const WAVES: f64 = 7.0;
 
-    /// 12 s at 500 Hz of an axis whose friction and whose torque per drive ripple by these shares, under sines of 1 and .6 V at 1.1 and
-    /// 2.9 Hz.
-    fn ruling([of_friction, of_gain]: [f64; 2]) -> Ruling {
+    /// 12 s at 500 Hz of an axis whose friction and whose torque per drive ripple by these shares. The drive is `size`
+    /// times sines of 1 and .6 V at 1.1 and 2.9 Hz. The encoder reads 0 where the ripple has turned by `zero`, rad.
+    fn axis([of_friction, of_gain]: [f64; 2], size: f64, zero: f64) -> Recording {
         let (mut x, mut v) = (0.0, 0.0_f64);
         let mut recording = Recording::default();
         for k in 0..6000 {
             let t = 2e-3 * f64::from(k);
-            let u = (6.9 * t).sin() + 0.6 * (18.3 * t).sin();
+            let u = size * ((6.9 * t).sin() + 0.6 * (18.3 * t).sin());
             recording.t.push(t);
             recording.u.push(u);
             recording.x.push(x);
             for _ in 0..20 {
-                let wave = (WAVES * x).sin();
+                let wave = (WAVES * x + zero).sin();
                 let (drive, friction) = (u * (1.0 + of_gain * wave), F1 * (1.0 + of_friction * wave));
                 let free = v + (drive - friction * v.signum() - 0.05 * v) / B * 1e-4;
                 // An axis that turns round rests until the drive is larger than the friction.
@@ -154,7 +165,11 @@ mod tests {
                 x += v * 1e-4;
             }
         }
-        rule(&[recording], Some(1.0), &Settings::default()).unwrap()
+        recording
+    }
+
+    fn ruling(shares: [f64; 2]) -> Ruling {
+        rule(&[axis(shares, 1.0, 0.0)], Some(1.0), &Settings::default()).unwrap()
     }
 
     /// A ripple of the friction by half is named. A ripple of the gain by a fifth is not: without its decoy it would be
@@ -168,5 +183,18 @@ mod tests {
         let names: Vec<Kind> = gain.findings.iter().map(|finding| finding.effect.kind).collect();
         assert!(names.is_empty(), "{names:?}");
         assert!(matches!(gain.remainder.predictable, Some(Name::Decoy(_))), "{:?}", gain.remainder);
+    }
+
+    /// Three of four recordings move by a part of a turn of the ripple, each from another zero. The wave number and the share
+    /// are the axis's to 2 and 10 %.
+    #[test]
+    fn a_phase_of_its_own_needs_turns_in_one_recording() {
+        let recordings: Vec<Recording> =
+            [(1.0, 0.0), (0.5, 2.0), (0.5, 4.0), (0.5, 5.5)].map(|(size, zero)| axis([0.5, 0.0], size, zero)).to_vec();
+        let ruling = rule(&recordings, Some(1.0), &Settings::default()).unwrap();
+        let names: Vec<(Kind, bool)> = ruling.findings.iter().map(|own| (own.effect.kind, own.own_zeros)).collect();
+        assert_eq!(names, [(Kind::PositionFriction, true)]);
+        let [share, waves, ..] = ruling.findings[0].effect.p;
+        assert!((share - 0.5).abs() < 0.05 && (waves - WAVES).abs() < 0.1, "{share} {waves}");
     }
 }

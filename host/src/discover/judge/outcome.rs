@@ -1,0 +1,117 @@
+//! The outcome of a round: a name, something that is no name, or nothing.
+
+use breakaway_core::plant::Kind;
+
+use super::evidence::Rejection;
+use super::settings::Settings;
+use super::term::Name;
+use super::tried::Tried;
+
+/// One round: what was tried, and its outcome.
+#[derive(Clone, Debug)]
+pub struct Round {
+    /// The best of every name, in order of the smaller gain.
+    pub tried: Vec<Tried>,
+    /// What it came to.
+    pub outcome: Outcome,
+}
+
+/// The outcome of a round.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Names, and the names that are tied with them.
+    Named(Vec<Name>, Vec<Name>),
+    /// This gains, and is a decoy or inconsistent.
+    Unknown(Name),
+    /// Nothing gains.
+    Nothing,
+}
+
+/// Gain on side U above which a term predicts a part of what is left, nats.
+const PREDICTS: f64 = 0.05;
+
+/// Whether an effect or a decoy that does not hold gains more than every one that does.
+pub(super) fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
+    let holds = tried.iter().filter(|t| t.rejection().is_none()).map(|t| t.gain).fold(0.0, f64::max);
+    let possible = tried.iter().filter(|t| !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base)));
+    possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
+}
+
+fn has_body(tried: &Tried) -> bool {
+    tried.terms.iter().any(|term| term.body.is_some())
+}
+
+/// The outcome of a round beside a model that leaves the share `left` of the drive.
+pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome {
+    let is_effect = |t: &&Tried| t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
+    let holding: Vec<&Tried> = tried.iter().filter(|t| t.rejection().is_none()).filter(is_effect).collect();
+    let bar_z = |tried: &Tried| settings.least_z(tried.terms[0].chosen_of);
+    // Share of the drive that a term predicts.
+    let predicted = |gain: f64| left * (1.0 - (-2.0 * gain).exp()).sqrt();
+    let strongest = |tried: &[Tried]| {
+        // A wave of another amplitude in each recording is no wave, and predicts nothing of a further recording.
+        let is_one = |t: &&Tried| !t.terms[0].own_zeros || t.rejection() != Some(Rejection::Amplitude);
+        let alone = tried.iter().filter(|t| t.terms.len() == 1 && t.gain > 0.0).filter(is_one);
+        let alone = alone.filter(|t| t.evidence[0].z() >= bar_z(t));
+        let seen = alone.map(|t| (t, t.evidence[0].u.flat));
+        let seen = seen.filter(|(_, gain)| *gain > PREDICTS && predicted(*gain) > settings.predictable);
+        seen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(t, _)| t.terms[0].name)
+    };
+    let Some(best) = holding.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
+        return strongest(tried).map_or(Outcome::Nothing, Outcome::Unknown);
+    };
+    // A smaller term is preferred where it does as well, or costs at most 3 % of the gain.
+    let nearly = |t: &Tried| t.gain > 0.97 * best.gain;
+    let as_well = |t: &Tried| t.gain > settings.tie * best.gain && best.better_than(t) < settings.tie_z;
+    let simple = holding.iter().filter(|t| nearly(t) || as_well(t)).min_by_key(|t| t.size()).unwrap_or(best);
+    for other in tried.iter().filter(|t| t.terms.len() == 1) {
+        let factor = match other.terms[0].name {
+            // The best damping of a second body decides whether it is a coupling.
+            Name::Decoy(_) if has_body(simple) && other.terms[0].body.is_some() => 1.0,
+            Name::Decoy(_) => settings.decoy,
+            Name::Effect(_) if other.rejection().is_some() => settings.rival,
+            Name::Effect(_) => continue,
+        };
+        // A term that is inconsistent alone speaks for the pair in which it is named.
+        let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
+        let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
+        if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
+            let material = predicted(other.gain) > settings.predictable;
+            return if material { Outcome::Unknown(other.terms[0].name) } else { Outcome::Nothing };
+        }
+    }
+    let mut names: Vec<Name> = Vec::new();
+    // What gains much more than the smaller term is tied with it.
+    let preferred_to = holding.iter().copied().filter(|t| !nearly(simple) && t.gain > simple.gain);
+    let preferred_to = preferred_to.filter(|t| t.terms.len() == simple.terms.len());
+    let as_well = tied(simple, tried, &[], settings).chain(preferred_to);
+    for name in as_well.flat_map(Tried::names) {
+        if !names.contains(&name) && !simple.names().contains(&name) {
+            names.push(name);
+        }
+    }
+    Outcome::Named(simple.names(), names)
+}
+
+/// The rivals of `own` that do as well on both sides. They may miss a bar. One with more parameters counts only where
+/// the two effects resemble each other, or where it was tied `before`.
+pub(super) fn tied<'a>(
+    own: &'a Tried,
+    tried: &'a [Tried],
+    before: &'a [Kind],
+    settings: &'a Settings,
+) -> impl Iterator<Item = &'a Tried> {
+    let resembles = |t: &Tried| {
+        let mut pairs = own.names().into_iter().zip(t.names());
+        pairs.all(|pair| match pair {
+            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other) || before.contains(&other),
+            _ => false,
+        })
+    };
+    tried.iter().filter(move |t| {
+        let effects = t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
+        let near = !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+        let as_well = t.gain > settings.tie * own.gain && own.better_than(t) < settings.tie_z;
+        effects && near && t.terms.len() == own.terms.len() && as_well && (t.size() <= own.size() || resembles(t))
+    })
+}
