@@ -165,11 +165,13 @@ pub(super) fn force(ruling: &Ruling) -> Force {
 }
 
 /// The verdict: by whether something was named, whether the force that is left can be predicted, and whether it is little.
+/// An effect that is seen predicts a part of it.
 fn verdict(ruling: &Ruling) -> Verdict {
-    match (ruling.findings.is_empty(), ruling.remainder.predictable) {
-        (false, None) if ruling.leaves_little() => Verdict::Explained,
+    let predictable = ruling.remainder.predictable.is_some() || !ruling.seen.is_empty();
+    match (ruling.findings.is_empty(), predictable) {
+        (false, false) if ruling.leaves_little() => Verdict::Explained,
         (false, _) => Verdict::PartlyExplained,
-        (true, None) if ruling.tells_nothing_is_missing() => Verdict::NothingMissing,
+        (true, false) if ruling.tells_nothing_is_missing() => Verdict::NothingMissing,
         (true, _) => Verdict::Unknown,
     }
 }
@@ -331,6 +333,13 @@ mod tests {
         assert_eq!(of([0.11, 50.0]), Verdict::PartlyExplained);
         let some = Ruling { of_recordings: Some([2, 5]), ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
         assert_eq!(verdict(&some), Verdict::PartlyExplained);
+    }
+
+    /// An effect that is seen beside the names is predictable, however little it predicts.
+    #[test]
+    fn what_is_seen_is_not_explained() {
+        let seen = Ruling { seen: vec![(Kind::Spring, 0.03)], ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
+        assert_eq!(verdict(&seen), Verdict::PartlyExplained);
     }
 
     /// A virtual board's forces gave 3.0855 waves for 3. The number becomes whole along an angle; it does not along a
