@@ -72,7 +72,9 @@ impl Library<'_> {
             }
         }
         let mut turns = vec![0.0; form.dataset.recordings];
-        places.into_iter().for_each(|(recording, _): (usize, i64)| turns[recording] += 1.0 / 8.0);
+        for (recording, _) in places {
+            turns[recording] += 1.0 / 8.0;
+        }
         turns
     }
 
