@@ -52,8 +52,8 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
 }
 
 /// Weighs each term anew beside those before it, as the search does. The evidence from the search is beside a term that
-/// was dropped. An example: a gravity load with one zero for all recordings took the place of one with a zero for each
-/// (hidden plant, unkind world, seed 8416).
+/// was dropped. A gravity load with one zero for all recordings took the place of one with a zero for each (hidden plant,
+/// unkind world, seed 8416).
 fn weigh_in_order(stage: &Stage<'_>, bearings: &mut [Bearing]) {
     let mut before = stage.with_model(Model::default());
     for (term, bearing) in stage.model.terms.iter().zip(bearings) {
