@@ -85,7 +85,8 @@ fn in_words(ruling: &Ruling) -> String {
         let names: Vec<&str> = std::iter::once(finding.effect.kind.name()).chain(tied).collect();
         format!("{} ({})", names.join(" = "), parameters.join(" "))
     });
-    let seen = ruling.seen.iter().map(|(kind, share)| format!("seen: {} {share:.3}", kind.name()));
+    let seen =
+        ruling.seen.iter().map(|own| format!("seen: {} {:.3}", own.effect.kind.name(), own.small_share.unwrap_or(0.0)));
     named.chain(seen).collect::<Vec<_>>().join(", ")
 }
 

@@ -13,11 +13,12 @@ use crate::emulator;
 use crate::export;
 use crate::image;
 use crate::lint::cargo_linted;
+use crate::own_features;
 use crate::python;
 use crate::qemu;
-use crate::report::Report;
+use crate::report::{Report, Tests};
 use crate::rp2350;
-use crate::run::{cargo, run, run_counting, succeeds};
+use crate::run::{at_low_priority, cargo, run, run_counting, run_counting_both, succeeds};
 use crate::setup;
 use crate::web;
 use crate::words::words_interface_licences;
@@ -112,7 +113,7 @@ fn steps(report: &mut Report) -> Result<()> {
     let browser = web::prepare(report)?;
     let programs =
         [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
-    report.tests("host tests", || run_counting(&mut host_tests(programs)))?;
+    report.tests("host tests", || host_tests(programs))?;
     let mut pythons = None;
     report.check("Python for the wheel", || {
         pythons = Some(python::environments());
@@ -138,8 +139,7 @@ fn steps(report: &mut Report) -> Result<()> {
 fn host_without_tests(report: &mut Report) -> Result<()> {
     words_interface_licences(report)?;
     report.check("clippy and host programs", host_programs)?;
-    // As its user builds it: without the features that the tests bring.
-    report.check("the command with its own features", || run(&mut cargo_linted(["check", "--package", "breakaway"])))
+    report.check("features of the command", own_features::compare)
 }
 
 /// All crates with all their features. Each other choice would build the host anew, as it changes the features of
@@ -151,21 +151,36 @@ fn host_programs() -> Result<()> {
     run(cargo_linted(["build", "--all-targets"]).args(ALL))
 }
 
-/// nextest where it is installed, which runs the tests of all crates side by side; else cargo's own runner. With that, the
-/// tests look for QEMU, Unicorn and MuJoCo themselves. `programs` are tests that need one, and whether it is there.
-fn host_tests(programs: [(&str, bool); 4]) -> Command {
+/// Programs that a part of the tests needs, with whether each is there.
+type Programs = [(&'static str, bool); 4];
+
+/// Runs the host tests by nextest where it is installed; else by cargo's own runner, where the tests look for QEMU, Unicorn
+/// and MuJoCo themselves.
+fn host_tests(programs: Programs) -> (Tests, Result<()>) {
     if !succeeds(&mut cargo(["nextest", "--version"])) {
-        let mut command = cargo_linted(["test", "--tests", "--no-fail-fast"]);
-        command.args(ALL);
-        return command;
+        return run_counting(cargo_linted(["test", "--tests", "--no-fail-fast"]).args(ALL));
     }
+    let (real_time, others) = (format!("binary({REAL_TIME})"), format!("not binary({REAL_TIME})"));
+    let others = at_low_priority(&nextest(&others, &programs));
+    if !programs.contains(&(REAL_TIME, true)) {
+        return run_counting(&mut { others });
+    }
+    // A virtual board is an emulator, a plant and a client, with time-outs of real time between them. Together they take about
+    // one core. The other tests get what is left.
+    run_counting_both(nextest(&real_time, &programs).args(["--test-threads", "1"]), &mut { others })
+}
+
+/// The tests that run in real time.
+const REAL_TIME: &str = "virtual_board";
+
+/// Runs the tests that `filter` chooses and whose program is there.
+fn nextest(filter: &str, programs: &Programs) -> Command {
     let mut command = cargo_linted(["nextest", "run", "--tests", "--no-fail-fast"]);
     // What passed is counted and its time read, not shown.
     command.args(ALL).args(["--status-level", "pass", "--color", "never"]);
-    let left_out = programs.into_iter().filter(|(_, there)| !there);
-    let left_out: Vec<String> = left_out.map(|(program, _)| format!("not binary({program})")).collect();
-    if !left_out.is_empty() {
-        command.args(["--filterset", &left_out.join(" and ")]);
-    }
+    let left_out = programs.iter().filter(|(_, there)| !there);
+    let left_out = left_out.map(|(program, _)| format!("not binary({program})"));
+    let filters: Vec<String> = [filter.to_owned()].into_iter().chain(left_out).collect();
+    command.args(["--filterset", &filters.join(" and ")]);
     command
 }

@@ -20,6 +20,7 @@ mod logs;
 mod loops;
 mod miri;
 mod notices;
+mod own_features;
 mod processor;
 mod python;
 mod qemu;

@@ -104,6 +104,38 @@ pub fn run_counting(command: &mut Command) -> (Tests, Result<()>) {
     (tests, result)
 }
 
+/// As [`run_counting`], of two commands side by side.
+pub fn run_counting_both(one: &mut Command, other: &mut Command) -> (Tests, Result<()>) {
+    thread::scope(|scope| {
+        let other = scope.spawn(|| run_counting(other));
+        let (mut tests, result) = run_counting(one);
+        let Ok((more, other)) = other.join() else { return (tests, Err(anyhow::anyhow!("a runner has panicked"))) };
+        tests += more;
+        (tests, result.and(other))
+    })
+}
+
+/// The same command, which gives way to whatever else runs; as it is where there is no `nice`.
+pub fn at_low_priority(command: &Command) -> Command {
+    const NICE: [&str; 2] = ["-n", "19"];
+    let nice = succeeds(Command::new("nice").args(NICE).arg("true"));
+    let mut lower = Command::new(if nice { OsStr::new("nice") } else { command.get_program() });
+    if nice {
+        lower.args(NICE).arg(command.get_program());
+    }
+    lower.args(command.get_args());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => lower.env(name, value),
+            None => lower.env_remove(name),
+        };
+    }
+    if let Some(folder) = command.get_current_dir() {
+        lower.current_dir(folder);
+    }
+    lower
+}
+
 /// Whether a command starts and succeeds; its output is discarded.
 pub fn succeeds(command: &mut Command) -> bool {
     let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());

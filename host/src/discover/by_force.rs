@@ -3,16 +3,15 @@
 
 use breakaway_core::plant::{Effect, Kind};
 
+use super::candidate_rows;
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::decide::{NAMING, paired};
 use super::engine::{DiscoverError, Request, assembled, prepared};
-use super::gap::{open_loop_squares, root_mean};
-use super::judge::evidence::Rejection;
+use super::following::{contradicted, follows, follows_for_longer, open_loop};
 use super::judge::finding::Finding;
-use super::judge::ruling::{Candidacy, Ruling};
+use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
 use super::model::Model;
-use super::outcome::{CandidateRow, Discovery, Force, NamedEffect, Rival, Rung, Verdict};
+use super::outcome::{Discovery, Force, NamedEffect, Rival, Verdict};
 use super::progress::{Progress, Watch};
 use super::ruled::radians;
 use super::search::{Ended, parameters, rung, settled};
@@ -22,8 +21,9 @@ use crate::recording::Units;
 /// Iterations of the fit of the simulated motion.
 const ITERATIONS: usize = 20;
 
-/// The discovery that the judge's ruling gives, and the ruling. Its small names are only seen where the simulated motion
-/// follows the open loop less well with them.
+/// The discovery that the judge's ruling gives, and the ruling. The simulated motion decides on small effects. A small name
+/// is only seen where the motion follows the open loop less well with it. What is seen is named where the motion follows it
+/// better.
 ///
 /// # Errors
 /// [`DiscoverError`] where no base can be simulated at all.
@@ -42,10 +42,11 @@ pub(super) fn found(
         if ruling.findings.is_empty() { (base.clone(), None) } else { simulated(data, base, ruling, rotary) }
     };
     let (mut ruling, mut own) = (ruling.clone(), simulated(ruling));
-    if let Some(less) = ruling.without_small() {
-        let without = simulated(&less);
-        if follows(data, &own.0, &without.0) || follows_for_longer(data, &own.0, &without.0) {
-            (ruling, own) = (less, without);
+    for other in [ruling.without_small(), ruling.with_seen()].into_iter().flatten() {
+        let others = simulated(&other);
+        if follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0) {
+            (ruling, own) = (other, others);
+            break;
         }
     }
     let (fit, of_forces) = own;
@@ -83,7 +84,7 @@ pub(super) fn found(
         errors,
         fit,
         ladder,
-        first_round: ruling.candidates.iter().map(|own| row(own, &ruling)).collect(),
+        first_round: ruling.candidates.iter().map(|own| candidate_rows::row(own, &ruling)).collect(),
         closest: None,
         tie: None,
         remarks,
@@ -92,63 +93,10 @@ pub(super) fn found(
 }
 
 /// The remark on an effect that is seen.
-fn seen((kind, share): &(Kind, f64)) -> String {
-    let percent = 100.0 * share;
-    format!("{} is seen too, with {percent:.0} % of the energy of the gap: too little to be named", kind.name())
+fn seen(finding: &Finding) -> String {
+    let (name, percent) = (finding.effect.kind.name(), 100.0 * finding.small_share.unwrap_or(0.0));
+    format!("{name} is seen too, with {percent:.0} % of the energy of the gap: too little to be named")
 }
-
-/// Held-out error over 1 s in open loop, position units; over segments where no window of 1 s is held out.
-fn open_loop(data: &Data, fit: &Fit) -> f64 {
-    let windows = open_loop_squares(data, &data.open_loop, fit);
-    let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
-    if count > 0 { (square / count as f64).sqrt() } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
-}
-
-/// Whether `fit` follows most held-out segments better than `base`. Where another effect is missing too, a few segments
-/// that it follows much worse outweigh the others in a mean square.
-fn follows(data: &Data, base: &Fit, fit: &Fit) -> bool {
-    let held_out = data.over(&data.score);
-    let [before, after] = [base, fit].map(|fit| held_out.score(&fit.candidate));
-    mostly_better(data, &before, &after)
-}
-
-/// The same over windows of 1 s in open loop.
-fn follows_for_longer(data: &Data, base: &Fit, fit: &Fit) -> bool {
-    let mean = |(square, count): (f64, usize)| square / count.max(1) as f64;
-    let [before, after] = [base, fit].map(|fit| {
-        let windows = open_loop_squares(data, &data.open_loop, fit);
-        windows.into_iter().map(mean).collect::<Vec<f64>>()
-    });
-    mostly_better(data, &before, &after)
-}
-
-/// Whether mean squares fall, significantly over the windows.
-fn mostly_better(data: &Data, before: &[f64], after: &[f64]) -> bool {
-    let compared = paired(before, after, &vec![1.0; after.len()], data.sigma);
-    compared.delta >= NAMING.delta && compared.z >= NAMING.z
-}
-
-/// Why names of the measured forces are taken back; `None` where they stay. They go where the simulated motion is no
-/// better with them. Names that all repeat over position stay: a simulated rotor is soon off by one tooth, so its error
-/// says nothing.
-fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
-    let others: Vec<&str> = ruling
-        .findings
-        .iter()
-        .map(|finding| finding.effect.kind)
-        .filter(|kind| !kind.periodic_in_position())
-        .map(Kind::name)
-        .collect();
-    let (first, last) = (ladder.first()?, ladder.last()?);
-    let better = last.holdout_rmse < BETTER * first.holdout_rmse
-        || last.holdout_open_loop_rmse < BETTER * first.holdout_open_loop_rmse;
-    (!others.is_empty() && !better).then(|| {
-        format!("the measured forces speak for {}, and the simulated motion does not: not named", others.join(" and "))
-    })
-}
-
-/// Share of the held-out simulation error below which names must bring it, over segments or in open loop.
-const BETTER: f64 = 0.95;
 
 /// The measured forces of a ruling, as the report shows them.
 pub(super) fn force(ruling: &Ruling) -> Force {
@@ -269,60 +217,48 @@ pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discov
     small
 }
 
-/// Fate of an effect that the judge named and the simulated motion replaced.
-const REPLACED: &str = "named by the measured forces; the simulated motion bears out another in its place";
-
-/// The judge's first round as lines of the table. The fate of each line is its fate beside `named`.
-pub(super) fn rows(ruling: &Ruling, named: &[NamedEffect]) -> Vec<CandidateRow> {
-    let fate = |kind: Kind| {
-        let tied = |own: &NamedEffect| own.rivals.iter().any(|rival| rival.tied && rival.kind == kind);
-        if named.iter().any(|own| own.kind == kind) {
-            Some("named".to_owned())
-        } else if named.iter().any(tied) {
-            Some("tied: these recordings cannot tell it from the named effect".to_owned())
-        } else {
-            None
-        }
-    };
-    let rows = ruling.candidates.iter().map(|own| {
-        let row = row(own, ruling);
-        let judged = ruling.findings.iter().any(|finding| finding.effect.kind == own.kind);
-        let other = || if judged { REPLACED.to_owned() } else { row.fate.clone() };
-        CandidateRow { fate: fate(own.kind).unwrap_or_else(other), ..row }
-    });
-    rows.collect()
-}
-
-/// A line of the first round.
-fn row(own: &Candidacy, ruling: &Ruling) -> CandidateRow {
-    let named = ruling.findings.iter().any(|finding| finding.effect.kind == own.kind);
-    let tied = ruling.findings.iter().any(|finding| finding.tied.iter().any(|(kind, _)| *kind == own.kind));
-    let fate = match own.rejection {
-        _ if named => "named".to_owned(),
-        _ if tied => "tied: these recordings cannot tell it from the named effect".to_owned(),
-        None => "holds, and explains less than the named effect".to_owned(),
-        Some(rejection) => rejected(rejection).to_owned(),
-    };
-    CandidateRow { kind: own.kind, delta: own.gain, z: own.z, lambda: f64::NAN, fate }
-}
-
-const fn rejected(rejection: Rejection) -> &'static str {
-    match rejection {
-        Rejection::Gain => "gains too little, or not in every part of the recordings",
-        Rejection::Inertia => "the inertia is not positive with it",
-        Rejection::Base => "the friction of the base is negative with it",
-        Rejection::Coherence => "with it the drive determines a smaller share of the acceleration",
-        Rejection::Disagreement(_) => "the drive and the acceleration give different forces for it",
-        Rejection::Amplitude => "its amplitude has the wrong sign",
-        Rejection::Floor => "a constant and the direction predict the drive as well",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use breakaway_core::plant::Base;
 
+    use super::super::judge::bar::tests::Axis;
+    use super::super::judge::ruling::rule;
     use super::*;
+    use crate::recording::Recording;
+
+    /// An axis with a load and a small drag, and what its forces say with the drag only seen.
+    fn axis_with_a_drag() -> (Request, Ruling) {
+        let axis = Axis { f1: 0.1, drag: 0.003, load: 0.2, seed: 1 };
+        let recordings: Vec<Recording> = (1..=2).map(|seed| Axis { seed, ..axis }.recording()).collect();
+        let ruling = rule(&recordings, None, &Settings::default()).unwrap().without_small().unwrap();
+        let kinds = |own: &[Finding]| own.iter().map(|own| own.effect.kind).collect::<Vec<_>>();
+        assert_eq!([kinds(&ruling.findings), kinds(&ruling.seen)], [[Kind::ConstantLoad], [Kind::QuadraticDrag]]);
+        (Request { recordings, ..Request::default() }, ruling)
+    }
+
+    fn names(request: &Request, ruling: &Ruling) -> (Vec<Kind>, Vec<String>) {
+        let (found, _) = found(request, &Units::default(), ruling, &|_| ()).unwrap();
+        (found.effects.iter().map(|own| own.kind).collect(), found.remarks)
+    }
+
+    /// An effect that the forces only see is named where the simulated motion follows better with it.
+    #[test]
+    fn what_is_seen_is_named_where_the_motion_follows_better() {
+        let (request, ruling) = axis_with_a_drag();
+        let (named, remarks) = names(&request, &ruling);
+        assert_eq!(named, [Kind::ConstantLoad, Kind::QuadraticDrag]);
+        assert!(!remarks.iter().any(|remark| remark.contains("is seen too")), "{remarks:?}");
+    }
+
+    /// Another effect in its place lowers no error of the motion, and stays a remark.
+    #[test]
+    fn what_is_seen_stays_seen_where_the_motion_is_no_better() {
+        let (request, mut ruling) = axis_with_a_drag();
+        ruling.seen[0].effect = Effect::new(Kind::Spring, &[1e-4, 0.0]);
+        let (named, remarks) = names(&request, &ruling);
+        assert_eq!(named, [Kind::ConstantLoad]);
+        assert!(remarks.iter().any(|remark| remark.contains("spring is seen too")), "{remarks:?}");
+    }
 
     /// A tenth of the drive, or twice the sensor's noise, may be left at random where all is explained. Where only some
     /// recordings give the name, nothing is said of the others.
@@ -338,7 +274,7 @@ mod tests {
     /// An effect that is seen beside the names is predictable, however little it predicts.
     #[test]
     fn what_is_seen_is_not_explained() {
-        let seen = Ruling { seen: vec![(Kind::Spring, 0.03)], ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
+        let seen = Ruling { seen: vec![Finding::of(Kind::Spring)], ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
         assert_eq!(verdict(&seen), Verdict::PartlyExplained);
     }
 

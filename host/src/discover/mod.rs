@@ -1,11 +1,13 @@
 //! Discovery: where simulation and measurement disagree, what is missing, and whether adding it closes the gap.
 
 mod by_force;
+mod candidate_rows;
 mod corroboration;
 pub mod data;
 pub mod decide;
 pub mod drive_free;
 pub mod engine;
+mod following;
 mod force_residual;
 mod gap;
 pub mod judge;

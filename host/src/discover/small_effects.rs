@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU64;
 
 use breakaway_core::plant::{Effect, Kind};
 
-use super::by_force;
+use super::candidate_rows;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
 use super::judge::ruling::Ruling;
@@ -69,7 +69,7 @@ fn within(
     let first = names.map(|(ruling, fitted)| model_of(&start, ruling, fitted));
     let mut ended = Search::new(&start.data, units, start.base.clone(), kinds).run(first.as_ref(), progress);
     if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {
-        ended.first_round = by_force::rows(ruling, &ended.named);
+        ended.first_round = candidate_rows::rows(ruling, &ended.named);
     }
     Ok(assembled(request, &start, units, ended, progress))
 }

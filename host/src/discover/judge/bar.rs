@@ -92,7 +92,7 @@ pub(super) fn best_decoy(all: &[Tried], settings: &Settings) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(in crate::discover) mod tests {
     use breakaway_core::plant::Kind;
 
     use super::*;

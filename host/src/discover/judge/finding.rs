@@ -7,7 +7,6 @@ use super::outcome::Outcome;
 use super::search::{Bearing, Judged};
 use super::settings::Settings;
 use super::start::{self, Errors};
-use super::term::Name;
 use super::weak_form::WeakForm;
 
 /// An effect that is named from the measured forces.
@@ -57,8 +56,8 @@ impl Complete {
     }
 }
 
-/// The named effects, and the effects that are seen beside them with their shares of the energy of the gap.
-pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> (Vec<Finding>, Vec<(Kind, f64)>) {
+/// The named effects, and the effects that are seen beside them.
+pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> [Vec<Finding>; 2] {
     let complete = Complete::of(own, settings);
     let (mut findings, mut seen) = (Vec::new(), Vec::new());
     // Energy that is left of the base's, by the gains of side U.
@@ -70,29 +69,42 @@ pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -
         let of_the_drive = share.sqrt() * own.residual[0][0];
         let material = complete.as_ref().is_some_and(|least| least.names(of_the_drive, evidence.gain()));
         let small_share = (share < MATERIAL && !findings.is_empty()).then_some(share);
-        if let (true, false, Name::Effect(kind)) = (small_share.is_some(), material, term.name) {
-            seen.push((kind, share));
-            continue;
-        }
         // A delay shorter than the interval at which the position is read belongs to the sensor's clock, and is no
         // name.
         if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {
             continue;
         }
-        if let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) {
-            findings.push(Finding {
-                effect,
-                errors,
-                held,
-                own_zeros: term.own_zeros,
-                tied: tied.clone(),
-                small_share,
-                gain: evidence.gain(),
-                z: evidence.z(),
-            });
+        let Some((effect, errors, held)) = start::effect(form, &own.fitted.u, term, index) else { continue };
+        let finding = Finding {
+            effect,
+            errors,
+            held,
+            own_zeros: term.own_zeros,
+            tied: tied.clone(),
+            small_share,
+            gain: evidence.gain(),
+            z: evidence.z(),
+        };
+        if small_share.is_some() && !material { seen.push(finding) } else { findings.push(finding) }
+    }
+    [findings, seen]
+}
+
+#[cfg(test)]
+impl Finding {
+    /// A finding of an effect, of which nothing else is known.
+    pub(crate) fn of(kind: Kind) -> Self {
+        Self {
+            effect: Effect::new(kind, &[1.0]),
+            errors: [f64::NAN; _],
+            held: Vec::new(),
+            own_zeros: false,
+            tied: Vec::new(),
+            small_share: None,
+            gain: 1.0,
+            z: 9.0,
         }
     }
-    (findings, seen)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
-mod bar;
+pub(in crate::discover) mod bar;
 mod compliance;
 mod coordinate_search;
 pub mod dataset;

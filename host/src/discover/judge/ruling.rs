@@ -35,8 +35,8 @@ pub struct Ruling {
     pub base: Base<f64>,
     /// Names in the order in which they were found.
     pub findings: Vec<Finding>,
-    /// Effects that hold too and are too small to be named, with their share of the energy of the gap.
-    pub seen: Vec<(Kind, f64)>,
+    /// Effects that hold too and are too small to be named by the forces alone.
+    pub seen: Vec<Finding>,
     /// The first round in the windows that named; in the narrowest, where none did.
     pub candidates: Vec<Candidacy>,
     /// The last round: what was tried beside the names.
@@ -93,7 +93,7 @@ impl Ruling {
     /// Whether the forces that are left speak for an effect, be it too little for a name.
     pub fn supports(&self, kind: Kind) -> bool {
         let supported = |own: &Candidacy| own.kind == kind && own.gain > 0.0 && own.z >= SUPPORT;
-        self.seen.iter().any(|(seen, _)| *seen == kind) || self.left.iter().any(supported)
+        self.seen.iter().any(|seen| seen.effect.kind == kind) || self.left.iter().any(supported)
     }
     /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
     /// than the sensor makes, and nothing predicts it. They have weighed nothing where they hardly tell the inertia, or
@@ -115,9 +115,13 @@ impl Ruling {
     pub fn without_small(&self) -> Option<Self> {
         let (small, findings): (Vec<Finding>, Vec<Finding>) =
             self.findings.iter().cloned().partition(|finding| finding.small_share.is_some());
-        let seen = small.iter().filter_map(|finding| Some((finding.effect.kind, finding.small_share?)));
-        let seen = self.seen.iter().copied().chain(seen).collect();
+        let seen = self.seen.iter().cloned().chain(small.iter().cloned()).collect();
         (!small.is_empty()).then(|| Self { findings, seen, ..self.clone() })
+    }
+    /// The ruling with what is seen named; `None` where nothing is.
+    pub fn with_seen(&self) -> Option<Self> {
+        let findings = self.findings.iter().chain(&self.seen).cloned().collect();
+        (!self.seen.is_empty()).then(|| Self { findings, seen: Vec::new(), ..self.clone() })
     }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
@@ -164,7 +168,7 @@ pub fn rule_from(
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
-    let (findings, seen) = findings(form, own, settings);
+    let [findings, seen] = findings(form, own, settings);
     Some(Ruling {
         base: Base { b: own.inertia(), c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
         findings,
@@ -217,21 +221,11 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
 impl Ruling {
     /// A ruling that names these effects, with nothing predictable left; `share` of the drive and `over_noise` are.
     pub(crate) fn naming(kinds: &[Kind], [share, over_noise]: [f64; 2]) -> Self {
-        let finding = |kind: &Kind| Finding {
-            effect: Effect::new(*kind, &[1.0]),
-            errors: [f64::NAN; _],
-            held: Vec::new(),
-            own_zeros: false,
-            tied: Vec::new(),
-            small_share: None,
-            gain: 1.0,
-            z: 9.0,
-        };
         let remainder =
             Remainder { predictable: None, rms_u: share, share, bandwidth_hz: 1.0, over_noise, significance: 0.0 };
         Self {
             base: Base { b: 1.0, c: 1.0, f1: 1.0 },
-            findings: kinds.iter().map(finding).collect(),
+            findings: kinds.iter().map(|kind| Finding::of(*kind)).collect(),
             seen: Vec::new(),
             candidates: Vec::new(),
             left: Vec::new(),
@@ -255,7 +249,7 @@ mod tests {
     fn the_forces_speak_for_what_nearly_holds() {
         let own = |kind, z| Candidacy { kind, gain: 0.01, z, rejection: Some(Rejection::Gain) };
         let ruling = Ruling {
-            seen: vec![(Kind::Cogging, 0.05)],
+            seen: vec![Finding::of(Kind::Cogging)],
             left: vec![own(Kind::Delay, 3.1), own(Kind::Spring, 2.9)],
             ..Ruling::naming(&[Kind::ConstantLoad], [0.05, 9.0])
         };
@@ -269,9 +263,14 @@ mod tests {
         let mut ruling = Ruling::naming(&[Kind::GravityLoad, Kind::Delay], [0.05, 9.0]);
         assert!(ruling.without_small().is_none());
         ruling.findings[1].small_share = Some(0.03);
-        ruling.seen = vec![(Kind::Cogging, 0.01)];
+        ruling.seen = vec![Finding::of(Kind::Cogging)];
         let less = ruling.without_small().unwrap();
-        assert_eq!(less.findings.iter().map(|own| own.effect.kind).collect::<Vec<_>>(), [Kind::GravityLoad]);
-        assert_eq!(less.seen, [(Kind::Cogging, 0.01), (Kind::Delay, 0.03)]);
+        let kinds = |own: &[Finding]| own.iter().map(|own| own.effect.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&less.findings), [Kind::GravityLoad]);
+        assert_eq!(kinds(&less.seen), [Kind::Cogging, Kind::Delay]);
+        assert_eq!(less.seen[1].small_share, Some(0.03));
+        let more = ruling.with_seen().unwrap();
+        assert_eq!(kinds(&more.findings), [Kind::GravityLoad, Kind::Delay, Kind::Cogging]);
+        assert!(more.seen.is_empty() && more.with_seen().is_none());
     }
 }

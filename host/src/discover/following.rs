@@ -1,0 +1,63 @@
+//! Whether the simulated motion follows the measured one better with other names.
+
+use breakaway_core::plant::Kind;
+
+use super::data::Data;
+use super::decide::{NAMING, paired};
+use super::gap::{open_loop_squares, root_mean};
+use super::judge::ruling::Ruling;
+use super::outcome::Rung;
+use crate::fit::Fit;
+
+/// Held-out error over 1 s in open loop, position units; over segments where no window of 1 s is held out.
+pub(super) fn open_loop(data: &Data, fit: &Fit) -> f64 {
+    let windows = open_loop_squares(data, &data.open_loop, fit);
+    let (square, count) = windows.iter().fold((0.0, 0), |sum, (square, n)| (sum.0 + square, sum.1 + n));
+    if count > 0 { (square / count as f64).sqrt() } else { root_mean(&data.over(&data.score).score(&fit.candidate)) }
+}
+
+/// Whether `fit` follows most held-out segments better than `base`. Where another effect is missing too, a few segments
+/// that it follows much worse outweigh the others in a mean square.
+pub(super) fn follows(data: &Data, base: &Fit, fit: &Fit) -> bool {
+    let held_out = data.over(&data.score);
+    let [before, after] = [base, fit].map(|fit| held_out.score(&fit.candidate));
+    mostly_better(data, &before, &after)
+}
+
+/// The same over windows of 1 s in open loop.
+pub(super) fn follows_for_longer(data: &Data, base: &Fit, fit: &Fit) -> bool {
+    let mean = |(square, count): (f64, usize)| square / count.max(1) as f64;
+    let [before, after] = [base, fit].map(|fit| {
+        let windows = open_loop_squares(data, &data.open_loop, fit);
+        windows.into_iter().map(mean).collect::<Vec<f64>>()
+    });
+    mostly_better(data, &before, &after)
+}
+
+/// Whether mean squares fall, significantly over the windows.
+fn mostly_better(data: &Data, before: &[f64], after: &[f64]) -> bool {
+    let compared = paired(before, after, &vec![1.0; after.len()], data.sigma);
+    compared.delta >= NAMING.delta && compared.z >= NAMING.z
+}
+
+/// Why names of the measured forces are taken back; `None` where they stay. They go where the simulated motion is no
+/// better with them. Names that all repeat over position stay: a simulated rotor is soon off by one tooth, so its error
+/// says nothing.
+pub(super) fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
+    let others: Vec<&str> = ruling
+        .findings
+        .iter()
+        .map(|finding| finding.effect.kind)
+        .filter(|kind| !kind.periodic_in_position())
+        .map(Kind::name)
+        .collect();
+    let (first, last) = (ladder.first()?, ladder.last()?);
+    let better = last.holdout_rmse < BETTER * first.holdout_rmse
+        || last.holdout_open_loop_rmse < BETTER * first.holdout_open_loop_rmse;
+    (!others.is_empty() && !better).then(|| {
+        format!("the measured forces speak for {}, and the simulated motion does not: not named", others.join(" and "))
+    })
+}
+
+/// Share of the held-out simulation error below which names must bring it, over segments or in open loop.
+const BETTER: f64 = 0.95;
