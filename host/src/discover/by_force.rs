@@ -1,7 +1,7 @@
 //! The judge's names as a model. The simulated motion gives the parameters that are printed, and the ladder. It adds no
 //! name; it only takes back names that lower no simulation error.
 
-use breakaway_core::plant::{Effect, Kind};
+use breakaway_core::plant::Effect;
 
 use super::candidate_rows;
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
@@ -219,7 +219,7 @@ pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discov
 
 #[cfg(test)]
 mod tests {
-    use breakaway_core::plant::Base;
+    use breakaway_core::plant::{Base, Kind};
 
     use super::super::judge::bar::tests::Axis;
     use super::super::judge::ruling::rule;
