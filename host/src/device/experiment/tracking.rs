@@ -2,13 +2,14 @@
 
 use breakaway_core::control::{Adaptation, Gains, Setpoint};
 use breakaway_core::link::{
-    Adaptive, Bounds, Command, ControllerGains, Ending, ErrorRate, Mismatch, Mode, Model, Pid, Track, Trajectory,
+    Adaptive, Bounds, Command, ControllerGains, Ended, Ending, ErrorRate, Mismatch, Mode, Model, Pid, Track, Trajectory,
 };
 
 use super::Runner;
 use crate::control::design::Design;
 use crate::control::reference::Reference;
 use crate::control::tracking::Tracked;
+use crate::device::stream::Row;
 use crate::device::{DeviceError, text};
 use crate::interrupt::FinishFirst;
 
@@ -42,6 +43,29 @@ pub struct Followed {
     pub missing: u64,
     /// What the board's drift watch said.
     pub mismatches: Vec<Mismatch>,
+}
+
+/// Where a run began: its first tick, and the count from which its reference counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Begin {
+    tick: u64,
+    count: i32,
+}
+
+impl Begin {
+    /// The first samples may be lost on the way. So the tick is that of the end less the run's length, and the count
+    /// follows from the reference that the board followed; `step` is a count in position units.
+    fn of(rows: &[Row], ended: Option<Ended>, points: &[Setpoint<f32>], step: f64) -> Self {
+        let Some(first) = rows.first() else { return Self::default() };
+        let before = |ended: Ended| {
+            let before = (first.tick as u32).wrapping_sub(ended.tick.wrapping_sub(ended.ticks));
+            (before < ended.ticks).then_some(before)
+        };
+        let before = ended.and_then(before).unwrap_or(0);
+        let point = points.get(before as usize).map_or(0.0, |point| f64::from(point.x));
+        let followed = (point / step).round() as i32;
+        Self { tick: first.tick.saturating_sub(before.into()), count: first.reference.wrapping_sub(followed) }
+    }
 }
 
 /// The PID of remark 1 as a board takes it: `b·Kv·(Λ2·e + Λ1·∫e + ė)`.
@@ -168,22 +192,52 @@ impl Runner {
             return Err(DeviceError::Ended(format!("the board ended the run after {after:.3} s: {why}")));
         }
         let (recording, missing) = self.recording(run.name, &record, None);
-        let first = record.rows.first().copied();
-        let (origin, zero) = first.map_or((0, 0), |row| (row.tick, row.count));
+        let begin = Begin::of(&record.rows, record.ended, run.points, self.scale.step);
         let mut reference = Vec::with_capacity(record.rows.len());
         let mut error = Vec::with_capacity(record.rows.len());
         let mut from = 0;
         for row in &record.rows {
-            let tick = (row.tick - origin) as usize;
+            let tick = (row.tick - begin.tick) as usize;
             from += usize::from(tick < run.from);
             // Rounded to counts by the board; here as it was followed.
             let point = run.points.get(tick).map_or(0.0, |point| f64::from(point.x));
             reference.push(point);
-            error.push(point - f64::from(row.count.wrapping_sub(zero)) * self.scale.step);
+            error.push(point - f64::from(row.count.wrapping_sub(begin.count)) * self.scale.step);
         }
         // What is logged is what was applied, after dead time and rounding: only the board knows that it asked for more.
         let saturated = record.ended.map_or(0, |ended| ended.saturated as usize);
         let tracked = Tracked { recording, error, reference, saturated, from };
         Ok(Followed { tracked, missing, mismatches: record.mismatches })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of a line of two counts a tick, from count 7 and tick 2³² − 3 on. Its first four samples are lost. It began four
+    /// ticks and eight counts before the first that came.
+    #[test]
+    fn a_run_began_before_its_first_sample() {
+        let points: Vec<Setpoint<f32>> = (0..100).map(|k| Setpoint { x: 2e-3 * k as f32, v: 0.0, a: 0.0 }).collect();
+        let start = u64::from(u32::MAX) - 2;
+        let row = |k: u64| Row {
+            tick: start + k,
+            count: 0,
+            drive_code: 0,
+            reference: 7 + 2 * k as i32,
+            mode: Mode::Track,
+            current_ma: None,
+            missing: 0,
+        };
+        let ended = Ended { mode: Mode::Track, ending: Ending::TimeUp, tick: 97, ticks: 100, saturated: 0 };
+        let begin = Begin { tick: start, count: 7 };
+        for lost in [0, 4] {
+            let rows: Vec<Row> = (lost..100).map(row).collect();
+            assert_eq!(Begin::of(&rows, Some(ended), &points, 1e-3), begin, "{lost}");
+        }
+        // Without a word of its end a run is taken to have begun with its first sample.
+        let rows: Vec<Row> = (4..100).map(row).collect();
+        assert_eq!(Begin::of(&rows, None, &points, 1e-3), Begin { tick: start + 4, count: 15 });
     }
 }

@@ -1,9 +1,15 @@
 //! The direction of the friction in `b·ẍ + c·ẋ + f1·s = u`. Where the axis slides, s is the sign of the motion. Where
 //! the axis rests, friction balances the drive, and s is u/f1.
 
+use breakaway_core::plant::Base;
+
 use super::dataset::Piece;
-use super::regression::Design;
+use super::friction_observer::{FrictionObserver, is_instantaneous};
+use super::regression::{Design, rms};
 use super::settings::Settings;
+use super::sides::{Fitted, Model};
+use super::start;
+use super::term::Term;
 use super::weak_form::{Field, Kernels, WeakForm, norm, over};
 
 /// Largest share of the 95th percentile of the speed that the noise of the velocity may make.
@@ -41,6 +47,40 @@ impl WeakForm<'_> {
             }
             self.row_direction = self.means(&self.direction);
         }
+    }
+}
+
+/// Velocity that is not told from rest, over the 95th percentile of the speed.
+const REST: f64 = 0.002;
+/// Least force that a model may lack, over the rms of the drive. A drive is known to about that.
+const LEAST_LACKING: f64 = 0.01;
+
+impl WeakForm<'_> {
+    /// The same windows with the direction that a [`FrictionObserver`] gives beside a fitted model. `None` where the model
+    /// tells no friction, or where its bristles or its second body have states that the observer has not.
+    pub(super) fn observed(&self, model: &Model, fitted: &Fitted) -> Option<Self> {
+        let side = &fitted.u;
+        let foreign = model.terms.iter().any(|term| term.replaces_direction || term.body.is_some());
+        if foreign || !(side.b > 0.0 && side.f1 > 0.0) {
+            return None;
+        }
+        let beyond_noise = rms(&side.residual).powi(2) - (side.b * self.noise_a).powi(2);
+        let late = |term: &&Term| term.drive.is_some_and(|arrival| arrival.time_s().is_some());
+        let arrived = Model { terms: model.terms.iter().filter(late).cloned().collect() }.arrived(self);
+        let instantaneous = model.terms.iter().enumerate().filter(|(_, term)| !term.own_zeros);
+        let effects = instantaneous.filter_map(|(i, term)| Some(start::effect(self, side, term, i)?.0));
+        let observer = FrictionObserver {
+            base: Base { b: side.b, c: side.c.max(0.0), f1: side.f1 },
+            effects: effects.filter(|effect| is_instantaneous(effect.kind)).collect(),
+            lacking_u: beyond_noise.max(0.0).sqrt().max(LEAST_LACKING * rms(&side.target)),
+            rate_hz: 1.0 / self.half_width_s,
+            rest: REST * self.v95,
+        };
+        let pieces = self.dataset.pieces.iter().zip(&arrived);
+        let mut form = self.clone();
+        form.direction = pieces.map(|(piece, u)| observer.directions(piece, u)).collect();
+        form.row_direction = form.means(&form.direction);
+        Some(form)
     }
 }
 
@@ -100,6 +140,20 @@ mod tests {
         let left = rms(&fitted.u.residual) / rms(&form.row_u);
         assert!(left < 0.02, "{left}");
         assert!((fitted.u.f1 / F1 - 1.0).abs() < 0.02 && (fitted.u.b / B - 1.0).abs() < 0.02, "{:?}", fitted.u.f1);
+    }
+
+    /// Readings every 8 ms blur the reversals of two sines. In windows of 50 ms the base leaves 4.5 % of the drive with the
+    /// velocity's direction, and .7 % with the observer's.
+    #[test]
+    fn a_reversal_between_two_readings_is_observed() {
+        let settings = Settings::default();
+        let dataset = Dataset::new(&Recording::refreshed_together(&[axis(8, 0)]), &settings);
+        let form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
+        let model = Model::default();
+        let fitted = |form: &WeakForm<'_>| model.fit(form, &Weights::equal(form), &settings).unwrap();
+        let observed = form.observed(&model, &fitted(&form)).unwrap();
+        let [before, after] = [&form, &observed].map(|form| rms(&fitted(form).u.residual) / rms(&form.row_u));
+        assert!(before > 0.04 && after < 0.01, "{before} {after}");
     }
 
     /// Positions read every 8 ms are found to be 0, 3 and 6 ms old, as they are, to half a row. A position of every row

@@ -7,6 +7,7 @@ pub mod dataset;
 pub mod direction;
 pub mod evidence;
 pub mod finding;
+mod friction_observer;
 pub mod gain;
 pub mod library;
 mod one_wave;

@@ -6,6 +6,7 @@ use super::outcome::Round;
 use super::regression::rms;
 use super::search::Judged;
 use super::settings::Settings;
+use super::sides::Fitted;
 use super::term::Name;
 use super::tried::Tried;
 use super::weak_form::WeakForm;
@@ -42,6 +43,12 @@ pub(super) fn remainder(
     let wide = settings.half_widths_s.iter().copied().find(|width| *width >= WIDE * narrowest).unwrap_or(widest);
     let form = WeakForm::new(dataset, wide, settings)?;
     let fitted = own.model.refitted(&form, settings)?;
+    let observed = form.observed(&own.model, &fitted).and_then(|form| {
+        let fitted = own.model.refitted(&form, settings)?;
+        Some((form, fitted))
+    });
+    let less = |own: &Fitted| rms(&own.u.residual) < rms(&fitted.u.residual);
+    let (form, fitted) = observed.filter(|(_, own)| less(own)).unwrap_or((form, fitted));
     let own = Judged { fitted, ..own.clone() };
     remainder_of(&form, &own, predictable)
 }

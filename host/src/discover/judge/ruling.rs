@@ -8,7 +8,7 @@ use super::evidence::Rejection;
 use super::finding::{Finding, findings};
 use super::outcome::Outcome;
 use super::remainder::{Remainder, WIDE, remainder, remainder_of};
-use super::search::{Judged, judge};
+use super::search::{self, Judged, judge, share};
 use super::settings::Settings;
 use super::term::Name;
 use super::tried::Tried;
@@ -155,6 +155,7 @@ pub fn rule_from(
         form.radians = radians;
         form.ripples = width < WIDE * narrowest;
         let Some(own) = judge(&form, settings) else { continue };
+        let (form, own) = observed(form, own, settings);
         let named = !own.model.terms.is_empty();
         judged.push((form, own));
         if named {
@@ -189,6 +190,45 @@ pub fn rule_from(
     })
 }
 
+/// Most times that the direction of the friction is found anew.
+const OBSERVATIONS: usize = 3;
+/// Share to which a new direction must bring the residual force, for the search to begin anew with it.
+const CONVERGED: f64 = 0.95;
+
+/// The windows and what was found in them, with the direction of the friction that the found model gives. A reversal and a
+/// rest are blurred by the velocity of the positions alone. The search begins anew where the found model leaves less with
+/// the new direction, or where a name gains with the old direction alone.
+fn observed<'a>(form: WeakForm<'a>, own: Judged, settings: &Settings) -> (WeakForm<'a>, Judged) {
+    let (mut best_form, mut best) = (None, own);
+    for _ in 0..OBSERVATIONS {
+        let latest = best_form.as_ref().unwrap_or(&form);
+        let Some(observed) = latest.observed(&best.model, &best.fitted) else { break };
+        let doubted = !search::gains_in(&observed, &best.model, settings);
+        let refitted = best.model.refitted(&observed, settings).map(|fitted| share(&observed, &fitted)[0]);
+        if !doubted && refitted.is_none_or(|refitted| refitted > CONVERGED * best.residual[1][0]) {
+            break;
+        }
+        let Some(mut again) = judge(&observed, settings) else { break };
+        again.keep_ties(&best);
+        if !(doubted || takes_the_place(&again, &best)) || !search::gains_in(&form, &again.model, settings) {
+            break;
+        }
+        (best_form, best) = (Some(observed), again);
+    }
+    (best_form.unwrap_or(form), best)
+}
+
+/// Whether what was found with a new direction takes the place of what was found before. It must leave no more, and still
+/// name something. What can be predicted without a name must be so with either direction.
+fn takes_the_place(again: &Judged, before: &Judged) -> bool {
+    let names = |judged: &Judged| !judged.model.terms.is_empty();
+    let unknown =
+        |judged: &Judged| judged.rounds.last().is_some_and(|last| matches!(last.outcome, Outcome::Unknown(_)));
+    again.residual[1][0] <= before.residual[1][0]
+        && names(again) >= names(before)
+        && (names(again) || unknown(again) <= unknown(before))
+}
+
 /// The widths that are tried, from the narrowest.
 fn widths(narrowest: f64, settings: &Settings) -> Vec<f64> {
     let next = |multiple: f64| settings.half_widths_s.iter().copied().find(|width| *width >= multiple * narrowest);
@@ -202,7 +242,7 @@ pub(super) fn narrowest(dataset: &Dataset, settings: &Settings) -> Option<f64> {
     let mut last = None;
     for width in settings.half_widths_s {
         let resolved = dataset.pieces.iter().any(|p| width >= settings.least_half_samples as f64 * p.h_s);
-        let Some(form) = resolved.then(|| WeakForm::new(dataset, width, settings)).flatten() else { continue };
+        let Some(form) = resolved.then(|| WeakForm::sliding(dataset, width, settings)).flatten() else { continue };
         last = Some(width);
         if form.noise_share() < settings.noise_share {
             break;

@@ -123,6 +123,14 @@ impl<'a> WeakForm<'a> {
     /// Windows of half-width `half_width_s` over all pieces that are long enough. `None` where nothing moves, or where
     /// fewer than 40 windows do.
     pub fn new(dataset: &'a Dataset, half_width_s: f64, settings: &Settings) -> Option<Self> {
+        let mut form = Self::sliding(dataset, half_width_s, settings)?;
+        let sliding = form.direction.clone();
+        form.stick(&sliding, settings);
+        Some(form)
+    }
+
+    /// The same with a direction that is 0 at rest: for what does not ask for friction.
+    pub fn sliding(dataset: &'a Dataset, half_width_s: f64, settings: &Settings) -> Option<Self> {
         let half = |p: &Piece| ((half_width_s / p.h_s).round() as usize).max(settings.least_half_samples);
         let kernels: Vec<Kernels> = dataset.pieces.iter().map(|p| Kernels::new(half(p), p.h_s)).collect();
         let (mut v, mut a, mut noise_v) = (Vec::new(), Vec::new(), Vec::new());
@@ -136,7 +144,7 @@ impl<'a> WeakForm<'a> {
         if !(v95 > 0.0 && v95.is_finite()) {
             return None;
         }
-        let sliding: Field =
+        let direction: Field =
             dataset.pieces.iter().zip(&kernels).map(|(piece, kernel)| sliding(piece, kernel.half / 2, v95)).collect();
         let mut form = Self {
             dataset,
@@ -145,7 +153,7 @@ impl<'a> WeakForm<'a> {
             blocks: 0,
             v,
             a,
-            direction: sliding.clone(),
+            direction,
             row_a: Vec::new(),
             row_v: Vec::new(),
             row_u: Vec::new(),
@@ -157,11 +165,7 @@ impl<'a> WeakForm<'a> {
             kernels,
         };
         form.place_rows(settings, &noise_v);
-        if form.rows.len() < 40 {
-            return None;
-        }
-        form.stick(&sliding, settings);
-        Some(form)
+        (form.rows.len() >= 40).then_some(form)
     }
 
     fn place_rows(&mut self, settings: &Settings, noise_v: &[f64]) {
