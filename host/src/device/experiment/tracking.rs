@@ -53,8 +53,8 @@ struct Begin {
 }
 
 impl Begin {
-    /// The first samples may be lost on the way. So the tick is that of the end less the run's length, and the count
-    /// follows from the reference that the board followed; `step` is a count in position units.
+    /// The first samples may be lost on the way. So the tick is that of the end less the run's length. The count follows
+    /// from the reference that the board followed. A count is `step` position units.
     fn of(rows: &[Row], ended: Option<Ended>, points: &[Setpoint<f32>], step: f64) -> Self {
         let Some(first) = rows.first() else { return Self::default() };
         let before = |ended: Ended| {

@@ -4,7 +4,7 @@
 use breakaway_core::plant::Base;
 
 use super::dataset::Piece;
-use super::friction_observer::{FrictionObserver, is_instantaneous};
+use super::friction_observer::FrictionObserver;
 use super::regression::{Design, rms};
 use super::settings::Settings;
 use super::sides::{Fitted, Model};
@@ -65,13 +65,13 @@ impl WeakForm<'_> {
             return None;
         }
         let beyond_noise = rms(&side.residual).powi(2) - (side.b * self.noise_a).powi(2);
-        let late = |term: &&Term| term.drive.is_some_and(|arrival| arrival.time_s().is_some());
-        let arrived = Model { terms: model.terms.iter().filter(late).cloned().collect() }.arrived(self);
-        let instantaneous = model.terms.iter().enumerate().filter(|(_, term)| !term.own_zeros);
-        let effects = instantaneous.filter_map(|(i, term)| Some(start::effect(self, side, term, i)?.0));
+        let late = |term: &Term| term.drive.is_some_and(|arrival| arrival.time_s().is_some());
+        let arrived = Model { terms: model.terms.iter().filter(|term| late(term)).cloned().collect() }.arrived(self);
+        let others = model.terms.iter().enumerate().filter(|(_, term)| !term.own_zeros && !late(term));
+        let effects = others.filter_map(|(i, term)| Some(start::effect(self, side, term, i)?.0));
         let observer = FrictionObserver {
             base: Base { b: side.b, c: side.c.max(0.0), f1: side.f1 },
-            effects: effects.filter(|effect| is_instantaneous(effect.kind)).collect(),
+            effects: effects.collect(),
             lacking_u: beyond_noise.max(0.0).sqrt().max(LEAST_LACKING * rms(&side.target)),
             rate_hz: 1.0 / self.half_width_s,
             rest: REST * self.v95,

@@ -8,7 +8,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI};
 
 use breakaway_core::plant::effect::{ActsIn, Held, Instant};
-use breakaway_core::plant::{Base, Effect, Kind};
+use breakaway_core::plant::{Base, Effect};
 use nalgebra::Matrix3;
 
 use super::dataset::Piece;
@@ -23,7 +23,7 @@ const FIRST: f64 = 20.0;
 pub(super) struct FrictionObserver {
     /// The base; b and f1 are positive.
     pub base: Base<f64>,
-    /// Known effects. Of those that [act](ActsIn) as a force or on the drive the present instant is enough.
+    /// Known effects. Only those that act as a force or on the drive count, and of their past nothing is told.
     pub effects: Vec<Effect<f64>>,
     /// Rms of the force that the base lacks, drive units.
     pub lacking_u: f64,
@@ -40,12 +40,6 @@ struct State {
     v: f64,
     w: f64,
     p: Matrix3<f64>,
-}
-
-/// Whether an effect follows from the present instant, so that the filter can take it into account.
-pub(super) fn is_instantaneous(kind: Kind) -> bool {
-    let late = matches!(kind, Kind::Delay | Kind::ElectricalLag);
-    !late && matches!(kind.acts_in(), ActsIn::Force | ActsIn::Drive)
 }
 
 impl FrictionObserver {
@@ -143,6 +137,8 @@ impl State {
 
 #[cfg(test)]
 mod tests {
+    use breakaway_core::plant::Kind;
+
     use super::*;
 
     /// An axis at rest under a drive of .2 against a load of .1 that is known: a quarter of the friction of .4 holds it. The

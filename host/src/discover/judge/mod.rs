@@ -10,6 +10,7 @@ pub mod finding;
 mod friction_observer;
 pub mod gain;
 pub mod library;
+mod observation;
 mod one_wave;
 pub mod outcome;
 pub mod reading_age;

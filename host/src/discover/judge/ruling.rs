@@ -6,9 +6,10 @@ use super::bar::best_decoy;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::finding::{Finding, findings};
+use super::observation::observed;
 use super::outcome::Outcome;
 use super::remainder::{Remainder, WIDE, remainder, remainder_of};
-use super::search::{self, Judged, judge, share};
+use super::search::{Judged, judge};
 use super::settings::Settings;
 use super::term::Name;
 use super::tried::Tried;
@@ -188,45 +189,6 @@ pub fn rule_from(
         remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
             .or_else(|| remainder_of(form, own, None))?,
     })
-}
-
-/// Most times that the direction of the friction is found anew.
-const OBSERVATIONS: usize = 3;
-/// Share to which a new direction must bring the residual force, for the search to begin anew with it.
-const CONVERGED: f64 = 0.95;
-
-/// The windows and what was found in them, with the direction of the friction that the found model gives. A reversal and a
-/// rest are blurred by the velocity of the positions alone. The search begins anew where the found model leaves less with
-/// the new direction, or where a name gains with the old direction alone.
-fn observed<'a>(form: WeakForm<'a>, own: Judged, settings: &Settings) -> (WeakForm<'a>, Judged) {
-    let (mut best_form, mut best) = (None, own);
-    for _ in 0..OBSERVATIONS {
-        let latest = best_form.as_ref().unwrap_or(&form);
-        let Some(observed) = latest.observed(&best.model, &best.fitted) else { break };
-        let doubted = !search::gains_in(&observed, &best.model, settings);
-        let refitted = best.model.refitted(&observed, settings).map(|fitted| share(&observed, &fitted)[0]);
-        if !doubted && refitted.is_none_or(|refitted| refitted > CONVERGED * best.residual[1][0]) {
-            break;
-        }
-        let Some(mut again) = judge(&observed, settings) else { break };
-        again.keep_ties(&best);
-        if !(doubted || takes_the_place(&again, &best)) || !search::gains_in(&form, &again.model, settings) {
-            break;
-        }
-        (best_form, best) = (Some(observed), again);
-    }
-    (best_form.unwrap_or(form), best)
-}
-
-/// Whether what was found with a new direction takes the place of what was found before. It must leave no more, and still
-/// name something. What can be predicted without a name must be so with either direction.
-fn takes_the_place(again: &Judged, before: &Judged) -> bool {
-    let names = |judged: &Judged| !judged.model.terms.is_empty();
-    let unknown =
-        |judged: &Judged| judged.rounds.last().is_some_and(|last| matches!(last.outcome, Outcome::Unknown(_)));
-    again.residual[1][0] <= before.residual[1][0]
-        && names(again) >= names(before)
-        && (names(again) || unknown(again) <= unknown(before))
 }
 
 /// The widths that are tried, from the narrowest.

@@ -52,22 +52,6 @@ impl Judged {
     }
 }
 
-impl Judged {
-    /// Ties each name with what it was tied with in another search, unless that is named here.
-    pub(super) fn keep_ties(&mut self, other: &Self) {
-        let names: Vec<Name> = self.model.terms.iter().map(|term| term.name).collect();
-        for (name, bearing) in names.iter().zip(&mut self.bearings) {
-            let own = other.model.terms.iter().zip(&other.bearings).find(|(term, _)| term.name == *name);
-            for (kind, lead) in own.map_or(&[][..], |(_, own)| &own.tied) {
-                let known = bearing.tied.iter().any(|(tied, _)| tied == kind) || names.contains(&Name::Effect(*kind));
-                if !known {
-                    bearing.tied.push((*kind, *lead));
-                }
-            }
-        }
-    }
-}
-
 /// A model that is fitted with the weights of its own residual.
 pub(super) struct Stage<'a> {
     pub form: &'a WeakForm<'a>,
@@ -116,31 +100,6 @@ pub fn judge(form: &WeakForm<'_>, settings: &Settings) -> Option<Judged> {
         bearings,
         residual: [first, last],
         fitted: stage.fitted,
-    })
-}
-
-/// Least z, on the side that tells less, of a name in the windows of another direction of the friction.
-const OTHER_DIRECTION_Z: f64 = 2.0;
-
-/// Whether each term of a model gains in other windows too, beside the others.
-pub(super) fn gains_in(form: &WeakForm<'_>, model: &Model, settings: &Settings) -> bool {
-    let Some(base) = Stage::new(form, settings, Model::default(), &Weights::equal(form)) else { return false };
-    let library = base.library();
-    let terms: Vec<Term> = model
-        .terms
-        .iter()
-        .map(|term| {
-            let parameters: Vec<f64> = term.parameters.iter().map(|(_, value)| *value).collect();
-            library.remade(term, &parameters).unwrap_or_else(|| term.afresh())
-        })
-        .collect();
-    (0..terms.len()).all(|j| {
-        let others = terms.iter().enumerate().filter(|(i, _)| *i != j);
-        let model = Model { terms: others.map(|(_, term)| term.clone()).collect() };
-        let beside = Stage::new(form, settings, model, &base.weights);
-        let tried = beside.and_then(|beside| beside.weighed(terms[j].clone(), &Bar::OPEN));
-        let possible = |tried: &Tried| matches!(tried.rejection(), None | Some(Rejection::Gain));
-        tried.is_some_and(|tried| possible(&tried) && tried.gain > 0.0 && tried.evidence[0].z() > OTHER_DIRECTION_Z)
     })
 }
 
