@@ -1,8 +1,6 @@
 //! The search with the direction of the friction that a friction observer gives beside what was found. The observer is told
 //! the drive, and may hold an effect of the drive itself. So a name must gain with the velocity's own direction too.
 
-use breakaway_core::plant::Kind;
-
 use super::bar::Bar;
 use super::evidence::Rejection;
 use super::outcome::Outcome;
@@ -94,6 +92,8 @@ fn gains_in(form: &WeakForm<'_>, model: &Model, settings: &Settings) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use breakaway_core::plant::Kind;
+
     use super::super::bar::tests::Axis;
     use super::super::dataset::Dataset;
     use super::*;
