@@ -25,7 +25,7 @@ const RATCHET: f64 = 1.03;
 const ICOUNT: &str = "shift=10,sleep=off";
 
 /// What may not be exceeded, whatever was recorded (name, limit, unit). Ticks are those of the profile that is flashed.
-/// The virtual board's image has none for flash, only the ratchet: it has the plant's side of the lock-step too.
+/// The virtual board's image has none for flash, only the ratchet: its flash is emulated.
 /// The Pico 2's program runs in RAM: with all of its statics a quarter of it, the rest is for the stack and for what comes.
 const LIMITS: [(&str, u64, &str); 9] = [
     ("relay_tick_mean", 400, "instructions"),
