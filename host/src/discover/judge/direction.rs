@@ -73,7 +73,7 @@ impl WeakForm<'_> {
             base: Base { b: side.b, c: side.c.max(0.0), f1: side.f1 },
             effects: effects.collect(),
             lacking_u: beyond_noise.max(0.0).sqrt().max(LEAST_LACKING * rms(&side.target)),
-            rate_hz: 1.0 / self.half_width_s,
+            rate_per_s: 1.0 / self.half_width_s,
             rest: REST * self.v95,
         };
         let pieces = self.dataset.pieces.iter().zip(&arrived);

@@ -28,7 +28,7 @@ pub(super) struct FrictionObserver {
     /// Rms of the force that the base lacks, drive units.
     pub lacking_u: f64,
     /// Rate at which that force changes, 1/s.
-    pub rate_hz: f64,
+    pub rate_per_s: f64,
     /// Velocity that is not told from rest, position units/s.
     pub rest: f64,
 }
@@ -107,7 +107,7 @@ impl FrictionObserver {
         let to_x = if slow { 0.5 * step_s * step_s } else { (step_s - to_v) / rate };
         state.x += state.v * step_s + acceleration * to_x;
         state.v += acceleration * to_v;
-        let kept = (-self.rate_hz * step_s).exp();
+        let kept = (-self.rate_per_s * step_s).exp();
         state.w *= kept;
         let fresh = self.lacking_u.powi(2) * (1.0 - kept * kept);
         let transition = Matrix3::new(1.0, to_v, to_x / b, 0.0, decay, to_v / b, 0.0, 0.0, kept);
@@ -150,7 +150,7 @@ mod tests {
             base: Base { b: 0.02, c: 0.1, f1: 0.4 },
             effects: vec![Effect::new(Kind::ConstantLoad, &[0.1])],
             lacking_u: 0.01,
-            rate_hz: 10.0,
+            rate_per_s: 10.0,
             rest: 1e-3,
         };
         let t: Vec<f64> = (0..400).map(|k| 5e-3 * f64::from(k)).collect();

@@ -70,6 +70,9 @@ fn takes_the_place(again: &Judged, before: &Judged) -> bool {
 
 /// Whether each term of a model gains in other windows too, beside the others.
 fn gains_in(form: &WeakForm<'_>, model: &Model, settings: &Settings) -> bool {
+    if model.terms.is_empty() {
+        return true;
+    }
     let Some(base) = Stage::new(form, settings, Model::default(), &Weights::equal(form)) else { return false };
     let library = base.library();
     let terms: Vec<Term> = model
