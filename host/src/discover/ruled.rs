@@ -11,7 +11,7 @@ use crate::fit::Candidate;
 use crate::recording::{Recording, Units};
 
 /// Most times that the recordings are moved to one zero.
-const REZEROED: usize = 2;
+const REZEROED: usize = 3;
 
 /// A ruling, and the recordings on which it was made.
 #[derive(Clone, Debug)]

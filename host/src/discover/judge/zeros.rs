@@ -3,101 +3,190 @@
 
 use std::f64::consts::{PI, TAU};
 
-use breakaway_core::plant::{Effect, Kind};
+use breakaway_core::plant::effect::Element;
+use breakaway_core::plant::{Base, Effect};
+use nalgebra::{DMatrix, DVector};
 
 use super::dataset::Dataset;
-use super::finding::Finding;
 use super::ruling::Ruling;
 use super::settings::Settings;
 use super::weak_form::{Sample, WeakForm};
-use crate::fit::golden_section;
+use crate::discover::known::without_effects;
+use crate::fit::{Candidate, golden_section};
 use crate::recording::Recording;
 
-/// Phases that are tried before the best is refined.
-const PHASES: usize = 36;
-/// Golden sections that refine the best phase to a thousandth of a step.
+/// Places that are tried along the shortest wave before the best is refined.
+const PLACES: f64 = 36.0;
+/// Phase of the shortest wave within which places are the same, rad. It changes the wave by 5 %.
+const SAME_RAD: f64 = 0.05;
+/// Golden sections that refine the best place to a thousandth of a step.
 const SECTIONS: usize = 14;
 
-/// How far to move the positions of each of `recordings`, position units. The first law of the position that the ruling
-/// names then has the phase, or the place of rest, that it has in `first`. A recording that tells none is not moved.
-/// `None` where one zero fits all, or where `first` tells none.
+/// How far to move the positions of each of `recordings`, position units, so that all have one zero. The laws of the
+/// position that the ruling names then have the places that they have in `first`. All laws are placed together: a ripple
+/// tells the zero well but for whole waves, and a load of one wave tells which wave it is. A recording that tells no
+/// place is not moved. `None` where one zero fits all, or where `first` tells none.
 pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, settings: &Settings) -> Option<Vec<f64>> {
-    let finding = ruling.findings.iter().find(|finding| finding.own_zeros)?;
-    let law = PositionLaw::of(finding, ruling)?;
-    let place = |recording: &Recording| law.place(recording, ruling, settings);
+    if !ruling.findings.iter().any(|finding| finding.own_zeros) {
+        return None;
+    }
+    let laws = PositionLaws::of(ruling)?;
+    let place = |recording: &Recording| laws.place(recording, ruling.half_width_s, settings);
     let reference = place(first)?;
-    let shift = |recording| place(recording).map_or(0.0, |own| law.nearest(own - reference));
-    Some(recordings.iter().map(shift).collect())
+    let shift = |recording| place(recording).map_or(0.0, |own| laws.nearest(own - reference));
+    let shifts: Vec<f64> = recordings.iter().map(shift).collect();
+    let is_same = |shift: &f64| laws.wave_numbers.is_some_and(|[_, shortest]| (shortest * shift).abs() < SAME_RAD);
+    (!shifts.iter().all(is_same)).then_some(shifts)
 }
 
-/// A law of the position, as a force on the side of the drive.
-struct PositionLaw {
-    kind: Kind,
-    amplitude: f64,
-    /// Wave number, radians of the wave in a position unit; `None` for a spring, which does not repeat.
-    wave_number: Option<f64>,
+/// A law of the position, as a force on the side of the drive. It is linear in two columns.
+#[derive(Clone, Copy)]
+enum PositionLaw {
+    /// A·sin(k·x + φ), times what the wave acts on.
+    Wave { acts_on: ActsOn, amplitude: f64, wave_number: f64, phase: f64 },
+    /// κ·(x − rest).
+    Spring { stiffness: f64, rest: f64 },
+}
+
+/// What a wave over position acts on.
+#[derive(Clone, Copy, PartialEq)]
+enum ActsOn {
+    Force,
+    Friction,
+    Reading,
 }
 
 impl PositionLaw {
-    fn of(finding: &Finding, ruling: &Ruling) -> Option<Self> {
-        let Effect { kind, p } = finding.effect;
-        let (amplitude, wave_number) = match kind {
-            Kind::Spring => (p[0], None),
-            Kind::GravityLoad => (-p[0], Some(1.0)),
-            Kind::Cogging => (-p[0], Some(p[1])),
-            Kind::PositionFriction => (p[0] * ruling.base.f1, Some(p[1])),
-            Kind::EncoderEccentricity => (-p[0] * ruling.base.b, Some(1.0)),
-            _ => return None,
-        };
-        (amplitude != 0.0).then_some(Self { kind, amplitude, wave_number })
+    /// `None` for an effect that is no law of the position.
+    fn of(effect: &Effect<f64>, base: &Base<f64>) -> Option<Self> {
+        let wave = |acts_on, amplitude, wave_number, phase| Self::Wave { acts_on, amplitude, wave_number, phase };
+        match effect.element(base) {
+            Element::Ripple { wave_number, first: [amplitude, phase], .. } => {
+                Some(wave(ActsOn::Force, -amplitude, wave_number, phase))
+            }
+            Element::LevelByPosition { amplitude, wave_number, phase } => {
+                Some(wave(ActsOn::Friction, amplitude, wave_number, phase))
+            }
+            Element::ReadingRipple { amplitude, wave_number, phase } => {
+                Some(wave(ActsOn::Reading, -amplitude * base.b, wave_number, phase))
+            }
+            Element::Spring { stiffness, rest } => Some(Self::Spring { stiffness, rest }),
+            _ => None,
+        }
     }
 
-    /// The shortest distance to the same place of the wave.
-    fn nearest(&self, distance: f64) -> f64 {
-        self.wave_number.map_or(distance, |k| (k * distance + PI).rem_euclid(TAU) / k - PI / k)
-    }
-
-    /// Place of the law that fits the forces of one recording, position units: its phase over the wave number, or minus
-    /// its place of rest. `None` where the recording moves too little.
-    fn place(&self, recording: &Recording, ruling: &Ruling, settings: &Settings) -> Option<f64> {
-        let dataset = Dataset::new(std::slice::from_ref(recording), settings);
-        let form = WeakForm::new(&dataset, ruling.half_width_s, settings)?;
-        let base = ruling.base;
-        let rows = form.row_u.iter().zip(&form.row_a).zip(form.row_v.iter().zip(&form.row_direction));
-        let left: Vec<f64> = rows.map(|((u, a), (v, s))| u - base.b * a - base.c * v - base.f1 * s).collect();
-        let Some(k) = self.wave_number else {
-            let x = form.means(&form.field(|s| s.x));
-            let rest = left.iter().zip(&x).map(|(force, x)| force / self.amplitude - x).sum::<f64>();
-            return Some(rest / left.len() as f64);
+    /// The two columns in the windows of `form`.
+    fn columns(&self, form: &WeakForm<'_>) -> [Vec<f64>; 2] {
+        let Self::Wave { acts_on, wave_number, .. } = *self else {
+            return [form.means(&form.field(|s| s.x)), vec![1.0; form.rows.len()]];
         };
-        let wave = |shift: f64| {
+        [0.0, 0.5 * PI].map(|quarter| {
             let of = |s: Sample| {
-                let wave = (k * s.x + shift).sin();
-                if self.kind == Kind::PositionFriction { s.direction * wave } else { wave }
+                let wave = (wave_number * s.x + quarter).sin();
+                if acts_on == ActsOn::Friction { s.direction * wave } else { wave }
             };
             let field = form.field(of);
-            if self.kind == Kind::EncoderEccentricity { form.second_derivatives(&field) } else { form.means(&field) }
+            if acts_on == ActsOn::Reading { form.second_derivatives(&field) } else { form.means(&field) }
+        })
+    }
+
+    /// The factors of the columns where the law is moved by `place`, position units.
+    fn factors(&self, place: f64) -> [f64; 2] {
+        match *self {
+            Self::Wave { amplitude, wave_number, phase, .. } => {
+                let (sin, cos) = (phase + wave_number * place).sin_cos();
+                [amplitude * cos, amplitude * sin]
+            }
+            Self::Spring { stiffness, rest } => [stiffness, stiffness * (place - rest)],
+        }
+    }
+}
+
+/// The laws of the position of a ruling, beside what it names else.
+struct PositionLaws {
+    laws: Vec<PositionLaw>,
+    /// The base, and the other effects.
+    others: Candidate,
+    /// The least and the largest wave number, radians of the wave in a position unit; `None` where no law repeats.
+    wave_numbers: Option<[f64; 2]>,
+}
+
+impl PositionLaws {
+    /// `None` where the ruling names no law of the position.
+    fn of(ruling: &Ruling) -> Option<Self> {
+        let effects = || ruling.findings.iter().map(|finding| finding.effect);
+        let of = |effect: &Effect<f64>| PositionLaw::of(effect, &ruling.base);
+        let laws: Vec<PositionLaw> = effects().filter_map(|effect| of(&effect)).collect();
+        let wave_numbers = laws.iter().filter_map(|law| match law {
+            PositionLaw::Wave { wave_number, .. } => Some(wave_number.abs()),
+            PositionLaw::Spring { .. } => None,
+        });
+        let range = wave_numbers.fold(None, |range: Option<[f64; 2]>, k| {
+            Some(range.map_or([k, k], |[least, largest]| [least.min(k), largest.max(k)]))
+        });
+        let others = Candidate { base: ruling.base, effects: effects().filter(|own| of(own).is_none()).collect() };
+        (!laws.is_empty()).then_some(Self { laws, others, wave_numbers: range })
+    }
+
+    /// The shortest distance to the same place of the longest wave.
+    fn nearest(&self, distance: f64) -> f64 {
+        self.wave_numbers.map_or(distance, |[k, _]| (k * distance + PI).rem_euclid(TAU) / k - PI / k)
+    }
+
+    /// The place of the laws that fits the forces of one recording best, position units. `None` where the recording moves
+    /// too little.
+    fn place(&self, recording: &Recording, half_width_s: f64, settings: &Settings) -> Option<f64> {
+        let alone = without_effects(std::slice::from_ref(recording), &self.others);
+        let dataset = Dataset::new(&alone, settings);
+        let form = WeakForm::new(&dataset, half_width_s, settings)?;
+        let base = self.others.base;
+        let rows = form.row_u.iter().zip(&form.row_a).zip(form.row_v.iter().zip(&form.row_direction));
+        let left = rows.map(|((u, a), (v, s))| u - base.b * a - base.c * v - base.f1 * s);
+        let left = DVector::from_iterator(form.rows.len(), left);
+        let columns: Vec<Vec<f64>> = self.laws.iter().flat_map(|law| law.columns(&form)).collect();
+        let columns = DMatrix::from_fn(form.rows.len(), columns.len(), |i, j| columns[j][i]);
+        let (products, with_left) = (columns.tr_mul(&columns), columns.tr_mul(&left));
+        let misses = |place: f64| {
+            let factors: Vec<f64> = self.laws.iter().flat_map(|law| law.factors(place)).collect();
+            let factors = DVector::from_vec(factors);
+            factors.dot(&(&products * &factors)) - 2.0 * factors.dot(&with_left)
         };
-        let (sine, cosine) = (wave(0.0), wave(0.5 * PI));
-        let misses = |phase: f64| {
-            let (sin, cos) = phase.sin_cos();
-            let of = |((force, s), c): ((&f64, &f64), &f64)| (force - self.amplitude * (cos * s + sin * c)).powi(2);
-            left.iter().zip(&sine).zip(&cosine).map(of).sum::<f64>()
-        };
-        let step = TAU / PHASES as f64;
-        let best = (0..PHASES).map(|i| i as f64 * step).min_by(|a, b| misses(*a).total_cmp(&misses(*b)))?;
-        Some(golden_section([best - step, best + step], SECTIONS, misses) / k)
+        let about = self.place_of_rest(&products, &with_left).unwrap_or(0.0);
+        let Some([longest, shortest]) = self.wave_numbers else { return Some(about) };
+        let (half, step) = (PI / longest, TAU / (shortest * PLACES));
+        let count = (2.0 * half / step).ceil() as usize;
+        let places = (0..count).map(|i| about - half + i as f64 * step);
+        let best = places.min_by(|a, b| misses(*a).total_cmp(&misses(*b)))?;
+        Some(golden_section([best - step, best + step], SECTIONS, misses))
+    }
+
+    /// The place by the spring alone; `None` where there is none.
+    fn place_of_rest(&self, products: &DMatrix<f64>, with_left: &DVector<f64>) -> Option<f64> {
+        let (i, stiffness, rest) = self.laws.iter().enumerate().find_map(|(i, law)| match *law {
+            PositionLaw::Spring { stiffness, rest } => Some((2 * i, stiffness, rest)),
+            PositionLaw::Wave { .. } => None,
+        })?;
+        let count = products[(i + 1, i + 1)];
+        Some(rest + (with_left[i + 1] / stiffness - products[(i, i + 1)]) / count)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use breakaway_core::plant::Kind;
+
     use super::*;
+    use crate::discover::judge::finding::Finding;
     use crate::discover::judge::ruling::rule;
 
     /// 20 s at 500 Hz of a pendulum with b = .02 V·s²/rad, c = .1 V·s/rad and .6 V at its side. Its reading starts at
     /// `zero`.
     fn pendulum(zero: f64, beat: f64) -> Recording {
+        with_a_ripple(zero, beat, 0.0)
+    }
+
+    /// The same with a ripple of seven waves in a turn.
+    fn with_a_ripple(zero: f64, beat: f64, ripple: f64) -> Recording {
         let (b, c, m, h) = (0.02, 0.1, 0.6, 2e-3);
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
         let mut recording = Recording::default();
@@ -108,7 +197,7 @@ mod tests {
             recording.u.push(u);
             recording.x.push(x + zero);
             for _ in 0..10 {
-                v += (u - c * v - m * x.sin()) / b * h / 10.0;
+                v += (u - c * v - m * x.sin() - ripple * (7.0 * x).sin()) / b * h / 10.0;
                 x += v * h / 10.0;
             }
         }
@@ -126,6 +215,32 @@ mod tests {
         let shifts = shifts(&recordings, &recordings[0], &ruling, &settings).unwrap();
         for (shift, expected) in shifts.iter().zip([0.0, -1.1, 2.0]) {
             assert!((shift - expected).abs() < 0.02, "{shifts:?}");
+        }
+    }
+
+    /// A ripple of seven waves tells the zero but for .9 rad, a seventh of a turn, and gravity tells which. Placed together
+    /// the two give it to a thousandth of a radian. In the reading of the first the ripple is at 7·.4 rad.
+    #[test]
+    fn laws_are_placed_together() {
+        let zeros = [0.4, 1.5, -2.0, 3.0];
+        let beats = [7.1, 9.7, 5.3, 8.3];
+        let recordings: Vec<Recording> =
+            zeros.iter().zip(beats).map(|(zero, beat)| with_a_ripple(*zero, beat, 0.3)).collect();
+        let finding = |kind, p: &[f64]| Finding {
+            effect: Effect::new(kind, p),
+            own_zeros: kind == Kind::GravityLoad,
+            ..Finding::of(kind)
+        };
+        let ruling = Ruling {
+            base: Base { b: 0.02, c: 0.1, f1: 0.0 },
+            findings: vec![finding(Kind::Cogging, &[-0.3, 7.0, -2.8]), finding(Kind::GravityLoad, &[-0.6, -0.4])],
+            half_width_s: 0.03,
+            ..Ruling::naming(&[], [0.0, 1.0])
+        };
+        let shifts = shifts(&recordings, &recordings[0], &ruling, &Settings::default()).unwrap();
+        for (shift, zero) in shifts.iter().zip(zeros) {
+            let off = (shift + zero - zeros[0] + PI).rem_euclid(TAU) - PI;
+            assert!(off.abs() < 1e-3, "{shifts:?}");
         }
     }
 

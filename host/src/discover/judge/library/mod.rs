@@ -82,6 +82,9 @@ impl<'a> Library<'a> {
         terms.extend(self.of_the_drive());
         terms.extend(self.bristles());
         terms.retain(|t| !matches!(t.name, Name::Effect(Kind::LuGre | Kind::PwmDeadTime)));
+        if self.ripples {
+            terms.extend(self.periodic());
+        }
         terms
     }
 
