@@ -1,4 +1,4 @@
-//! Effects that no force in a window shows, compared on the simulated motion with the judge's names.
+//! Effects that no force in a window tells, compared on the simulated motion with the judge's names.
 
 use breakaway_core::plant::{Effect, Kind};
 
@@ -19,7 +19,7 @@ const ITERATIONS: usize = 20;
 
 /// The discovery `found` of a ruling, after each name was compared with the effects that the judge cannot weigh. Only
 /// effects that may be confused with the name count. One that does as well is tied with the name. One that does better
-/// takes its place, and the name is tied.
+/// takes its place, and the name is tied. So does a special case that does as well.
 pub(super) fn compared(
     request: &Request,
     units: &Units,
@@ -27,9 +27,10 @@ pub(super) fn compared(
     found: Discovery,
     progress: Watch<'_>,
 ) -> Discovery {
+    // Bristles bend by less than the sensor's noise, so that the forces tell no bristles from others.
     let unweighed = |finding: &Finding| {
         let mut kinds = confusable(finding.effect.kind, false);
-        kinds.retain(|kind| !weighs(*kind));
+        kinds.retain(|kind| !weighs(*kind) || finding.effect.kind.bristles() && kind.bristles());
         kinds
     };
     // Names that the simulated motion contradicted are no longer in it.
@@ -48,6 +49,7 @@ pub(super) fn compared(
             changed = true;
             findings[j] = match standing {
                 Standing::Better => instead(&findings[j], effect),
+                Standing::AsGood if findings[j].effect.kind.generalises(effect.kind) => instead(&findings[j], effect),
                 Standing::AsGood => beside(&findings[j], effect.kind),
             };
         }

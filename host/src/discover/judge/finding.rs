@@ -4,8 +4,9 @@ use breakaway_core::plant::{Effect, Kind};
 
 use super::bar::best_decoy;
 use super::outcome::Outcome;
-use super::search::{Bearing, Judged};
+use super::search::{self, Bearing, Judged, Stage};
 use super::settings::Settings;
+use super::sides::{Model, Weights};
 use super::start::{self, Errors};
 use super::weak_form::WeakForm;
 
@@ -60,12 +61,9 @@ impl Complete {
 pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> [Vec<Finding>; 2] {
     let complete = Complete::of(own, settings);
     let (mut findings, mut seen) = (Vec::new(), Vec::new());
-    // Energy that is left of the base's, by the gains of side U.
-    let mut left = 1.0;
+    let left = energies_left(form, own, settings);
     for (index, (term, Bearing { evidence, tied })) in own.model.terms.iter().zip(&own.bearings).enumerate() {
-        let after = left * (-2.0 * evidence.u.flat.max(0.0)).exp();
-        let share = left - after;
-        left = after;
+        let share = (left[index] - left[index + 1]).max(0.0);
         let of_the_drive = share.sqrt() * own.residual[0][0];
         let material = complete.as_ref().is_some_and(|least| least.names(of_the_drive, evidence.gain()));
         let small_share = (share < MATERIAL && !findings.is_empty()).then_some(share);
@@ -90,6 +88,22 @@ pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -
     [findings, seen]
 }
 
+/// Energy that side U leaves with the first terms of the model, as a share of what the base leaves: with none of them,
+/// with one, and so on. The terms of a pair only show together, so that the gains of both would count what they share
+/// twice.
+fn energies_left(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> Vec<f64> {
+    let of = |count: usize| {
+        let model = Model { terms: own.model.terms[..count].to_vec() };
+        let stage = Stage::new(form, settings, model, &Weights::equal(form))?;
+        Some((search::share(form, &stage.fitted)[0] / own.residual[0][0]).powi(2))
+    };
+    let mut energies = vec![1.0];
+    for count in 1..=own.model.terms.len() {
+        energies.push(of(count).unwrap_or(energies[count - 1]));
+    }
+    energies
+}
+
 #[cfg(test)]
 impl Finding {
     /// A finding of an effect, of which nothing else is known.
@@ -110,7 +124,10 @@ impl Finding {
 #[cfg(test)]
 mod tests {
     use super::super::bar::tests::Axis;
+    use super::super::dataset::Dataset;
     use super::super::ruling::rule;
+    use super::super::search::judge;
+    use super::super::zeros::tests::with_a_ripple;
     use super::*;
 
     /// A drag beside a constant load. The load leaves less than a tenth of the energy of the gap, so that the drag carries
@@ -124,6 +141,25 @@ mod tests {
         assert_eq!(names, [Kind::ConstantLoad, Kind::QuadraticDrag]);
         let left = (-2.0 * ruling.findings[0].gain).exp();
         assert!(left < MATERIAL, "{left}");
+    }
+
+    /// Gravity and a ripple of the same size, each recording with its own zero. The energies are left by fits of the first
+    /// terms, so the last is that of the whole model, but for the windows' weights. Each of the two carries more than a
+    /// tenth of the gap.
+    #[test]
+    fn energies_are_left_one_term_after_another() {
+        let settings = Settings::default();
+        let recordings = [(0.0, 7.1), (1.1, 9.7), (-2.0, 5.3)].map(|(zero, beat)| with_a_ripple(zero, beat, 0.6));
+        let dataset = Dataset::new(&recordings, &settings);
+        let mut form = WeakForm::new(&dataset, 0.03, &settings).unwrap();
+        form.radians = Some(1.0);
+        let own = judge(&form, &settings).unwrap();
+        let names: Vec<Kind> = findings(&form, &own, &settings)[0].iter().map(|own| own.effect.kind).collect();
+        assert_eq!(names, [Kind::GravityLoad, Kind::Cogging]);
+        let left = energies_left(&form, &own, &settings);
+        let [base, last] = own.residual.map(|sides| sides[0]);
+        assert!((left[left.len() - 1].sqrt() * base / last - 1.0).abs() < 0.1, "{left:?} {base} {last}");
+        assert!(left[0] - left[1] > MATERIAL && left[1] - left[2] > MATERIAL, "{left:?}");
     }
 
     /// What predicts less than 2 % of the drive is no name, nor is what gains no more than twice what a decoy gains.

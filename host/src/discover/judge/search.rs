@@ -44,6 +44,11 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// Gain of all names together over the base, nats a window; that of the side that gains less.
+    pub fn gain(&self) -> f64 {
+        let [before, after] = self.residual;
+        (0..2).map(|side| (before[side] / after[side]).ln()).fold(f64::INFINITY, f64::min)
+    }
     /// Inertia of the motor and of a second body that hangs on it, drive units · s² / position unit.
     pub fn inertia(&self) -> f64 {
         let terms = self.model.terms.iter().zip(&self.fitted.u.amplitudes);

@@ -172,7 +172,7 @@ impl PositionLaws {
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::discover) mod tests {
     use breakaway_core::plant::Kind;
 
     use super::*;
@@ -185,8 +185,8 @@ mod tests {
         with_a_ripple(zero, beat, 0.0)
     }
 
-    /// The same with a ripple of seven waves in a turn.
-    fn with_a_ripple(zero: f64, beat: f64, ripple: f64) -> Recording {
+    /// The same with a ripple of seven waves in a turn, V.
+    pub fn with_a_ripple(zero: f64, beat: f64, ripple: f64) -> Recording {
         let (b, c, m, h) = (0.02, 0.1, 0.6, 2e-3);
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
         let mut recording = Recording::default();
