@@ -75,7 +75,8 @@ impl<'a> Library<'a> {
         }
     }
 
-    /// Terms that are tried as the second of a pair. They are cheap, and may hide another effect.
+    /// Terms that are tried as the second of a pair. They may hide another effect. Second bodies are left out, because they
+    /// take most of the time.
     pub fn partners(&self) -> Vec<Term> {
         let mut terms = self.of_the_motion();
         terms.retain(|t| t.name != Name::Effect(Kind::Stribeck));
@@ -85,6 +86,7 @@ impl<'a> Library<'a> {
         if self.ripples {
             terms.extend(self.periodic());
         }
+        terms.extend(self.of_time());
         terms
     }
 
