@@ -88,8 +88,8 @@ pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -
     [findings, seen]
 }
 
-/// Energy that side U leaves with the first terms of the model, as a share of what the base leaves: with none of them,
-/// with one, and so on. The terms of a pair only show together, so that the gains of both would count what they share
+/// Energy that side U leaves with the first terms of the model, as a share of what the base leaves. The first entry is that
+/// of no term, the next that of one. The terms of a pair only show together, so that the gains of both would count what they share
 /// twice.
 fn energies_left(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> Vec<f64> {
     let of = |count: usize| {

@@ -1,5 +1,5 @@
 //! The review of the final model: each of its terms is weighed beside all others. A term that no longer gains is
-//! dropped, and ties are decided.
+//! dropped, one that a rival outdoes gives its place to it, and ties are decided.
 
 use breakaway_core::plant::Kind;
 use rayon::prelude::*;
@@ -31,12 +31,16 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
         let before: Vec<Kind> = bearings[j].tied.iter().map(|(kind, _)| *kind).collect();
         let rivals = rivals(&beside, own, &before, tried.gain);
         let as_well: Vec<&Tried> = tied(&tried, &rivals, &before, stage.settings).collect();
+        let tie_z = stage.settings.tie_z;
+        let holding = || as_well.iter().copied().filter(|rival| rival.rejection().is_none());
+        let best = |a: &&Tried, b: &&Tried| a.gain.total_cmp(&b.gain);
         // A law fits no worse than its special cases. It is named only where it fits better.
-        let special = as_well.iter().filter(|rival| rival.rejection().is_none());
-        let special = special.filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind)));
-        let named = *special.max_by(|a, b| a.gain.total_cmp(&b.gain)).unwrap_or(&&tried);
+        let special = holding().filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind))).max_by(best);
+        let better = || holding().filter(|rival| rival.better_than(&tried) >= tie_z).max_by(best);
+        let named = special.or_else(better).unwrap_or(&tried);
         let others = as_well.iter().copied().chain([&tried]).filter(|other| kind(other) != kind(named));
-        bearings[j].tied = others.filter_map(|other| Some((kind(other)?, named.better_than(other)))).collect();
+        let others = others.filter_map(|other| Some((kind(other)?, named.better_than(other))));
+        bearings[j].tied = others.filter(|(_, lead)| *lead < tie_z).collect();
         if kind(named) != Some(own) {
             bearings[j].evidence = named.evidence[0];
             let mut model = stage.model.clone();

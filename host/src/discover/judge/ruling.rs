@@ -133,7 +133,7 @@ impl Ruling {
 }
 
 /// Widths that are tried, as multiples of the narrowest that the noise allows. A ripple is sought in all but the last.
-const WIDTHS: [f64; 3] = [1.0, 2.0, WIDE];
+const WIDTHS: [f64; 4] = [1.0, 1.3, 2.0, WIDE];
 
 /// Rules over `recordings`, whose position unit has so many radians; `None` where they hold too little motion.
 pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {

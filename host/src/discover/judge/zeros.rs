@@ -23,9 +23,9 @@ const SAME_RAD: f64 = 0.05;
 const SECTIONS: usize = 14;
 
 /// How far to move the positions of each of `recordings`, position units, so that all have one zero. The laws of the
-/// position that the ruling names then have the places that they have in `first`. All laws are placed together: a ripple
-/// tells the zero well but for whole waves, and a load of one wave tells which wave it is. A recording that tells no
-/// place is not moved. `None` where one zero fits all, or where `first` tells none.
+/// position that the ruling names then have the places that they have in `first`. All laws are placed together. A ripple
+/// tells the zero but for whole waves, and a load of one wave tells which wave it is. A recording that tells no place is
+/// not moved. `None` where one zero fits all, or where `first` tells none.
 pub fn shifts(recordings: &[Recording], first: &Recording, ruling: &Ruling, settings: &Settings) -> Option<Vec<f64>> {
     if !ruling.findings.iter().any(|finding| finding.own_zeros) {
         return None;
