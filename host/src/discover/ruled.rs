@@ -45,7 +45,7 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
         let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
         moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
         rezeroed = true;
-        // Narrower windows named nothing before, so they name nothing now.
+        // Narrower windows named nothing before, or were less evident.
         ruling = rule(&request.recordings, own.half_width_s);
     }
     if ruling.as_ref().is_none_or(|ruling| ruling.findings.is_empty()) {

@@ -135,10 +135,11 @@ impl Bench {
         }
     }
 
-    /// Injects a fault and follows the drive, as the plant sees it, until it is off: within `ticks`.
+    /// Injects a fault and follows the drive, as the plant sees it, until it is off: within `ticks`. The fault comes first,
+    /// so that no tick before it is counted.
     pub fn breaks(&mut self, fault: Fault, ticks: u64) {
-        let seen = self.board.watch();
         self.board.inject(fault);
+        let seen = self.board.watch();
         let first = seen.recv().unwrap();
         let mut quiet = 0;
         // As long without any drive as the longest stay at 0 of a running relay, which has none.

@@ -89,8 +89,8 @@ pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -
 }
 
 /// Energy that side U leaves with the first terms of the model, as a share of what the base leaves. The first entry is that
-/// of no term, the next that of one. The terms of a pair only show together, so that the gains of both would count what they share
-/// twice.
+/// of no term, the next that of one. The gains of a pair are each beside the other, so that they count twice what only both
+/// explain.
 fn energies_left(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> Vec<f64> {
     let of = |count: usize| {
         let model = Model { terms: own.model.terms[..count].to_vec() };

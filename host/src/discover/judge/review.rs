@@ -99,6 +99,7 @@ fn rivals(beside: &Stage<'_>, own: Kind, before: &[Kind], gain: f64) -> Vec<Trie
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discover::judge::bar::tests::Axis;
     use crate::discover::judge::dataset::Dataset;
     use crate::discover::judge::evidence::Evidence;
     use crate::discover::judge::gain::Gain;
@@ -146,6 +147,26 @@ mod tests {
         let reviewed = reviewed(stage, &mut bearings).unwrap();
         assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::GravityLoad));
         assert!(bearings[0].tied.iter().any(|(kind, _)| *kind == Kind::Cogging), "{:?}", bearings[0].tied);
+    }
+
+    /// An axis with a drag, fitted with the Stribeck curve that gains most. The drag has fewer parameters and leaves less
+    /// by more than two standard deviations, so it takes the place. What stays tied is less far behind.
+    #[test]
+    fn a_rival_that_outdoes_a_term_takes_its_place() {
+        let settings = Settings::default();
+        let recordings = [1, 2].map(|seed| Axis { f1: 0.1, drag: 0.01, load: 0.0, seed }.recording());
+        let dataset = Dataset::new(&recordings, &settings);
+        let form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let curves = base.library().of_effects(|kind| kind == Kind::Stribeck);
+        let tried = curves.into_iter().filter_map(|term| base.weighed(term, &Bar::OPEN));
+        let curve = tried.max_by(|a, b| a.gain.total_cmp(&b.gain)).unwrap();
+        let model = Model::default().with(&curve.terms[0]);
+        let stage = Stage::new(&form, &settings, model, &base.weights).unwrap();
+        let mut bearings = vec![Bearing { evidence: curve.evidence[0], tied: Vec::new() }];
+        let reviewed = reviewed(stage, &mut bearings).unwrap();
+        assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::QuadraticDrag));
+        assert!(bearings[0].tied.iter().all(|(_, lead)| *lead < settings.tie_z), "{:?}", bearings[0].tied);
     }
 
     /// A constant load, which the pendulum has not, was found before its gravity. It is dropped. The evidence for gravity

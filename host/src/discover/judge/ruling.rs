@@ -157,21 +157,8 @@ pub fn rule_from(
         form.ripples = width < WIDE * narrowest;
         Some(form)
     });
-    let mut judged: Vec<(WeakForm<'_>, Judged)> =
-        forms.filter_map(|form| judge(&form, settings).map(|own| (form, own))).collect();
-    if let Some(most) = most_evident(&judged) {
-        let (form, own) = judged.swap_remove(most);
-        judged = vec![observed(form, own, settings)];
-    } else {
-        let mut with_direction = Vec::new();
-        for (form, own) in judged {
-            with_direction.push(observed(form, own, settings));
-            if with_direction.last().is_some_and(|(_, own)| !own.model.terms.is_empty()) {
-                break;
-            }
-        }
-        judged = with_direction;
-    }
+    let judged = forms.filter_map(|form| judge(&form, settings).map(|own| (form, own))).collect();
+    let judged = with_observed_direction(judged, settings);
     let named = judged.iter().position(|(_, own)| !own.model.terms.is_empty());
     let (form, own) = judged.get(named.unwrap_or(0))?;
     let predictable = judged.iter().filter(|_| named.is_none()).chain(named.and_then(|i| judged.get(i)));
@@ -198,6 +185,26 @@ pub fn rule_from(
         remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
             .or_else(|| remainder_of(form, own, None))?,
     })
+}
+
+/// The most evident of what was judged, with the direction of the friction that a friction observer gives. Where nothing
+/// was named all are observed, from the narrowest windows on until one names something.
+fn with_observed_direction<'a>(
+    mut judged: Vec<(WeakForm<'a>, Judged)>,
+    settings: &Settings,
+) -> Vec<(WeakForm<'a>, Judged)> {
+    if let Some(most) = most_evident(&judged) {
+        let (form, own) = judged.swap_remove(most);
+        return vec![observed(form, own, settings)];
+    }
+    let mut with_direction: Vec<(WeakForm<'a>, Judged)> = Vec::new();
+    for (form, own) in judged {
+        with_direction.push(observed(form, own, settings));
+        if with_direction.last().is_some_and(|(_, own)| !own.model.terms.is_empty()) {
+            break;
+        }
+    }
+    with_direction
 }
 
 /// The windows whose names are the most evident, of those that name something: their likelihood ratio is the greatest.
@@ -264,8 +271,8 @@ mod tests {
     use super::super::bar::tests::Axis;
     use super::*;
 
-    /// A drag is slow. The reading has steps of .2 mrad, which make 15 % of the acceleration's rms in the narrowest
-    /// windows. In wider ones they make less, so that the drag is more evident.
+    /// A drag is slow. The steps of the reading make noise in the acceleration, up to 15 % in the narrowest windows. In
+    /// wider ones they make less, so that the drag is more evident.
     #[test]
     fn a_slow_effect_is_judged_in_wide_windows() {
         let mut recording = Axis { f1: 0.1, drag: 0.01, load: 0.0, seed: 1 }.recording();
