@@ -70,8 +70,9 @@ pub fn effect(
     let mut held = Vec::new();
     if matches!(kind, Kind::Cogging | Kind::PositionFriction) {
         held.push(1);
-        if form.radians.is_some() && (effect.p[1] - effect.p[1].round()).abs() < WHOLE {
-            effect.p[1] = effect.p[1].round();
+        let whole = effect.p[1].round();
+        if form.radians.is_some() && whole > 0.0 && (effect.p[1] - whole).abs() < WHOLE {
+            effect.p[1] = whole;
         }
     }
     for (value, parameter) in effect.p.iter_mut().zip(kind.definition().parameters) {

@@ -19,6 +19,9 @@ use crate::recording::Recording;
 const PLACES: f64 = 36.0;
 /// Phase of the shortest wave within which places are the same, rad. It changes the wave by 5 %.
 const SAME_RAD: f64 = 0.05;
+/// Most places that are tried: of waves whose numbers are a thousandfold apart, all of them. Beyond that only places near
+/// the present zero are, so that the search ends for any wave number.
+const MOST_PLACES: f64 = 40_000.0;
 /// Golden sections that refine the best place to a thousandth of a step.
 const SECTIONS: usize = 14;
 
@@ -153,9 +156,9 @@ impl PositionLaws {
         };
         let about = self.place_of_rest(&products, &with_left).unwrap_or(0.0);
         let Some([longest, shortest]) = self.wave_numbers else { return Some(about) };
-        let (half, step) = (PI / longest, TAU / (shortest * PLACES));
-        let count = (2.0 * half / step).ceil() as usize;
-        let places = (0..count).map(|i| about - half + i as f64 * step);
+        let step = TAU / (shortest * PLACES);
+        let count = (TAU / longest / step).ceil().clamp(1.0, MOST_PLACES);
+        let places = (0..count as usize).map(|i| about + (i as f64 - 0.5 * count) * step);
         let best = places.min_by(|a, b| misses(*a).total_cmp(&misses(*b)))?;
         Some(golden_section([best - step, best + step], SECTIONS, misses))
     }
@@ -242,6 +245,25 @@ pub(in crate::discover) mod tests {
             let off = (shift + zero - zeros[0] + PI).rem_euclid(TAU) - PI;
             assert!(off.abs() < 1e-3, "{shifts:?}");
         }
+    }
+
+    /// A wave number of nearly nothing would ask for 10¹¹ places. The search ends, and finds the zero of the ripple.
+    #[test]
+    fn the_search_ends_for_any_wave_number() {
+        let finding = |n: f64, phase: f64| Finding {
+            effect: Effect::new(Kind::Cogging, &[-0.3, n, phase]),
+            own_zeros: true,
+            ..Finding::of(Kind::Cogging)
+        };
+        let ruling = Ruling {
+            base: Base { b: 0.02, c: 0.1, f1: 0.0 },
+            findings: vec![finding(7.0, 0.0), finding(1e-9, 0.0)],
+            half_width_s: 0.03,
+            ..Ruling::naming(&[], [0.0, 1.0])
+        };
+        let laws = PositionLaws::of(&ruling).unwrap();
+        let place = laws.place(&with_a_ripple(0.0, 7.1, 0.3), 0.03, &Settings::default()).unwrap();
+        assert!((7.0 * place).cos() > 0.99, "{place}");
     }
 
     /// Recordings of one zero have one phase, so that nothing is moved.

@@ -78,16 +78,9 @@ impl<'a> Library<'a> {
     /// Terms that are tried as the second of a pair. They may hide another effect. Second bodies are left out, because they
     /// take most of the time.
     pub fn partners(&self) -> Vec<Term> {
-        let mut terms = self.of_the_motion();
-        terms.retain(|t| t.name != Name::Effect(Kind::Stribeck));
-        terms.extend(self.of_the_drive());
-        terms.extend(self.bristles());
-        terms.retain(|t| !matches!(t.name, Name::Effect(Kind::LuGre | Kind::PwmDeadTime)));
-        if self.ripples {
-            terms.extend(self.periodic());
-        }
-        terms.extend(self.of_time());
-        terms
+        self.of_effects(|kind| {
+            !matches!(kind, Kind::Stribeck | Kind::LuGre | Kind::PwmDeadTime | Kind::FlexibleCoupling)
+        })
     }
 
     /// Every term that may be tried beside the model.
