@@ -5,6 +5,7 @@ use breakaway_core::plant::Base;
 
 use super::dataset::Piece;
 use super::friction_observer::FrictionObserver;
+use super::library::Made;
 use super::regression::{Design, rms};
 use super::settings::Settings;
 use super::sides::{Fitted, Model};
@@ -78,6 +79,7 @@ impl WeakForm<'_> {
         };
         let pieces = self.dataset.pieces.iter().zip(&arrived);
         let mut form = self.clone();
+        form.made = Made::default();
         form.direction = pieces.map(|(piece, u)| observer.directions(piece, u)).collect();
         form.row_direction = form.means(&form.direction);
         Some(form)

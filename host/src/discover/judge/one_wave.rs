@@ -56,11 +56,12 @@ fn direction(p: f64, q: f64) -> [f64; 2] {
 fn join(columns: &[Column], phases: &[[f64; 2]]) -> Option<Column> {
     let fields: Option<Vec<&Field>> = columns.iter().map(Column::field).collect();
     let fields = fields?;
-    let mut sum: Field = fields.first()?.iter().map(|piece| vec![0.0; piece.len()]).collect();
+    let mut sum: Field = fields.first()?.iter().map(|_| Vec::new()).collect();
     for (pair, phase) in fields.chunks_exact(2).zip(phases) {
         for (field, weight) in pair.iter().zip(phase) {
-            for (sum, own) in sum.iter_mut().flatten().zip(field.iter().flatten()) {
-                *sum += weight * own;
+            for (sum, own) in sum.iter_mut().zip(*field) {
+                sum.resize(sum.len().max(own.len()), 0.0);
+                sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += weight * own);
             }
         }
     }

@@ -51,16 +51,24 @@ impl Design<'_> {
         let mut weighted: Vec<Vec<f64>> = columns
             .iter()
             .zip(&scale)
-            .map(|(column, scale)| column.iter().zip(weights).map(|(c, w)| w * c / scale).collect())
+            .map(|(column, scale)| {
+                let unit = 1.0 / scale;
+                column.iter().zip(weights).map(|(c, w)| w * c * unit).collect()
+            })
             .collect();
         weighted.push(self.target.iter().zip(weights).map(|(t, w)| w * t).collect());
         let blocks = blocks_of(form);
         let mut grams = vec![DMatrix::<f64>::zeros(p + 1, p + 1); folds];
-        for (block, rows) in &blocks {
+        // A column of one recording is zero in the blocks of the others.
+        let acting = |rows: &Range<usize>| -> Vec<usize> {
+            (0..p).filter(|j| columns[*j][rows.clone()].iter().any(|c| *c != 0.0)).collect()
+        };
+        let acting: Vec<Vec<usize>> = blocks.iter().map(|(_, rows)| acting(rows)).collect();
+        for ((block, rows), acting) in blocks.iter().zip(&acting) {
             let gram = &mut grams[block % folds];
-            for a in 0..=p {
-                for b in a..=p {
-                    gram[(b, a)] += dot(&weighted[a][rows.clone()], &weighted[b][rows.clone()]);
+            for (i, a) in acting.iter().chain([&p]).enumerate() {
+                for b in acting[i..].iter().chain([&p]) {
+                    gram[(*b, *a)] += dot(&weighted[*a][rows.clone()], &weighted[*b][rows.clone()]);
                 }
             }
         }
@@ -70,10 +78,10 @@ impl Design<'_> {
             grams.iter().map(|gram| Some(solve(&(&all - gram), p)?.0)).collect::<Option<_>>()?;
         let mut residual = self.target.to_vec();
         let mut scores = DMatrix::<f64>::zeros(form.blocks, p);
-        for (block, rows) in &blocks {
+        for ((block, rows), acting) in blocks.iter().zip(&acting) {
             let of_fold = &of_folds[block % folds];
             let mut own = weighted[p][rows.clone()].to_vec();
-            for j in 0..p {
+            for j in acting.iter().copied() {
                 let step = of_fold[j] / scale[j];
                 for (r, c) in residual[rows.clone()].iter_mut().zip(&columns[j][rows.clone()]) {
                     *r -= step * c;
@@ -83,7 +91,7 @@ impl Design<'_> {
                 }
             }
             // Rows of one block are not independent, so that the scores are summed over blocks.
-            for j in 0..p {
+            for j in acting.iter().copied() {
                 scores[(*block, j)] += dot(&own, &weighted[j][rows.clone()]);
             }
         }

@@ -6,6 +6,7 @@ use super::bar::best_decoy;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::finding::{Finding, findings};
+use super::library::Made;
 use super::observation::observed;
 use super::outcome::Outcome;
 use super::remainder::{Remainder, WIDE, remainder, remainder_of};
@@ -157,7 +158,13 @@ pub fn rule_from(
         form.ripples = width < WIDE * narrowest;
         Some(form)
     });
-    let judged = forms.filter_map(|form| judge(&form, settings).map(|own| (form, own))).collect();
+    let judged = forms.filter_map(|mut form| {
+        let own = judge(&form, settings)?;
+        // The library of a long session takes as much memory as hundreds of sessions.
+        form.made = Made::default();
+        Some((form, own))
+    });
+    let judged = judged.collect();
     let judged = with_observed_direction(judged, settings);
     let named = judged.iter().position(|(_, own)| !own.model.terms.is_empty());
     let (form, own) = judged.get(named.unwrap_or(0))?;

@@ -121,10 +121,14 @@ impl Model {
 
     /// Fits both sides; `None` where one of them has no fit.
     pub fn fit(&self, form: &WeakForm<'_>, weights: &Weights, settings: &Settings) -> Option<Fitted> {
-        let drive = self.terms.iter().any(|term| term.drive.is_some()).then(|| self.arrived(form));
-        let row_u = drive.as_ref().map_or(Cow::Borrowed(&form.row_u[..]), |drive| Cow::Owned(form.means(drive)));
+        let arriving: Vec<&Term> = self.terms.iter().filter(|term| term.drive.is_some()).collect();
+        let row_u = match arriving[..] {
+            [] => Cow::Borrowed(&form.row_u[..]),
+            [term] => term.arrived.get_or_init(|| form.means(&self.arrived(form)))[..].into(),
+            _ => form.means(&self.arrived(form)).into(),
+        };
         let u = self.fit_u(form, &weights.u, &row_u, settings)?;
-        let a = self.fit_a(form, &weights.a, (row_u, drive), &u, settings)?;
+        let a = self.fit_a(form, &weights.a, row_u, &u, settings)?;
         Some(Fitted { u, a })
     }
 
@@ -151,7 +155,7 @@ impl Model {
         &self,
         form: &WeakForm<'_>,
         weights: &[f64],
-        (row_u, drive): (Cow<'_, [f64]>, Option<Field>),
+        row_u: Cow<'_, [f64]>,
         u: &Side,
         settings: &Settings,
     ) -> Option<Side> {
@@ -160,9 +164,8 @@ impl Model {
             Some([omega, zeta, amplitudes.first()? / u.b])
         });
         let mut columns: Vec<Cow<'_, [f64]>> = if let Some(body) = body {
-            let drive = drive.unwrap_or_else(|| self.arrived(form));
             let moved = |field: &Field| Cow::Owned(form.means(&through(form, field, body)));
-            [&drive, &form.v, &form.direction].map(moved).into()
+            [&self.arrived(form), &form.v, &form.direction].map(moved).into()
         } else {
             vec![row_u, form.row_v[..].into(), form.row_direction[..].into()]
         };

@@ -28,7 +28,7 @@ impl Name {
 /// A quantity at every sample, and its values in the windows of one form.
 #[derive(Debug)]
 pub struct Sampled {
-    /// At every sample.
+    /// At every sample. A piece without samples counts as 0.
     pub field: Field,
     /// In every window; made at the first call.
     pub windows: OnceLock<Vec<f64>>,
@@ -112,6 +112,8 @@ pub struct Term {
     pub body: Option<[f64; 2]>,
     /// How the drive arrives; it replaces the drive on both sides. `None` where the term does not change it.
     pub drive: Option<Arrival>,
+    /// Mean of the drive in every window, as it arrives by this term alone; made at the first call.
+    pub arrived: Arc<OnceLock<Vec<f64>>>,
     /// Whether the columns hold the drive, or a prediction of it.
     pub holds_drive: bool,
     /// Parameters and amplitudes, by which a smaller term is preferred.
@@ -164,6 +166,7 @@ impl Term {
             sign: Sign::Any,
             body: None,
             drive: None,
+            arrived: Arc::default(),
             holds_drive: false,
             chosen_of: 1.0,
         }
@@ -179,7 +182,7 @@ impl Term {
     /// The same for the windows of another form.
     pub fn afresh(&self) -> Self {
         let each = |columns: &[Column]| columns.iter().map(Column::afresh).collect();
-        Self { u: each(&self.u), a: each(&self.a), ..self.clone() }
+        Self { u: each(&self.u), a: each(&self.a), arrived: Arc::default(), ..self.clone() }
     }
 
     /// The same with bounds on its amplitudes.

@@ -8,6 +8,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::dataset::{Dataset, Piece};
 use super::direction::sliding;
+use super::library::Made;
 use super::regression::{dot, dot_from};
 use super::settings::Settings;
 
@@ -116,6 +117,8 @@ pub struct WeakForm<'a> {
     pub radians: Option<f64>,
     /// Whether ripples are sought in these windows.
     pub ripples: bool,
+    /// Terms of the library that the windows and the motion make.
+    pub made: Made,
     kernels: Vec<Kernels>,
 }
 
@@ -162,6 +165,7 @@ impl<'a> WeakForm<'a> {
             noise_a: 0.0,
             radians: None,
             ripples: true,
+            made: Made::default(),
             kernels,
         };
         form.place_rows(settings, &noise_v);
@@ -209,12 +213,11 @@ impl<'a> WeakForm<'a> {
         self.row_direction = self.means(&self.direction);
     }
 
-    /// Mean of a quantity in every window.
+    /// Mean of a quantity in every window. A piece without samples counts as 0.
     pub fn means(&self, field: &Field) -> Vec<f64> {
         let each = self.rows.iter().map(|row| {
             let kernel = &self.kernels[row.piece];
-            let samples = &field[row.piece][row.centre - kernel.half..];
-            dot(&kernel.mean, samples)
+            field[row.piece].get(row.centre - kernel.half..).map_or(0.0, |samples| dot(&kernel.mean, samples))
         });
         each.collect()
     }
@@ -228,11 +231,12 @@ impl<'a> WeakForm<'a> {
         each.collect()
     }
 
-    /// Second derivative of a quantity in every window.
+    /// Second derivative of a quantity in every window. A piece without samples counts as 0.
     pub fn second_derivatives(&self, field: &Field) -> Vec<f64> {
         let each = self.rows.iter().map(|row| {
             let kernel = &self.kernels[row.piece];
-            kernel.at(&kernel.acceleration, &field[row.piece], row.centre)
+            let piece = &field[row.piece];
+            if piece.is_empty() { 0.0 } else { kernel.at(&kernel.acceleration, piece, row.centre) }
         });
         each.collect()
     }

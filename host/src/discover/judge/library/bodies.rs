@@ -15,9 +15,6 @@ const BODIES: i32 = 27;
 impl Library<'_> {
     pub(super) fn second_bodies(&self) -> Vec<Term> {
         let mut terms = Vec::new();
-        if self.model.terms.iter().any(|t| t.body.is_some()) {
-            return terms;
-        }
         let [low, ratio] = self.frequencies();
         // In these windows only the phase tells the fastest bodies from the motor. The last two of the grid are not
         // tried.

@@ -3,6 +3,7 @@
 mod bodies;
 mod decoys;
 mod drive;
+mod made;
 mod motion;
 mod position;
 mod remade;
@@ -11,6 +12,9 @@ mod time;
 use breakaway_core::plant::Kind;
 
 pub use bodies::MOST_DAMPING;
+pub use made::Made;
+
+use made::once;
 
 use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
@@ -94,15 +98,15 @@ impl<'a> Library<'a> {
     /// take most of the time.
     pub fn of_effects(&self, wanted: impl Fn(Kind) -> bool) -> Vec<Term> {
         let any = |kinds: &[Kind]| kinds.iter().copied().any(&wanted);
-        let mut terms = self.of_the_motion();
+        let mut terms = once(&self.form.made.motion, || self.of_the_motion());
         if self.ripples && any(&position::SOUGHT) {
             terms.extend(self.periodic());
         }
-        if any(&[Kind::Dahl, Kind::LuGre]) {
-            terms.extend(self.bristles());
+        if any(&[Kind::Dahl, Kind::LuGre]) && !self.model.terms.iter().any(|term| term.replaces_direction) {
+            terms.extend(once(&self.form.made.bristles, || self.bristles()));
         }
-        if any(&[Kind::FlexibleCoupling]) {
-            terms.extend(self.second_bodies());
+        if any(&[Kind::FlexibleCoupling]) && !self.model.terms.iter().any(|term| term.body.is_some()) {
+            terms.extend(once(&self.form.made.bodies, || self.second_bodies()));
         }
         terms.extend(self.of_the_drive());
         if any(&time::OF_TIME) {
@@ -116,7 +120,7 @@ impl<'a> Library<'a> {
         self.form.field(f)
     }
 
-    /// Each of the fields within each recording that moves, and 0 in the others. `None` where fewer than two recordings
+    /// Each of the fields within each recording that moves, and nothing in the others, which counts as 0. `None` where fewer than two recordings
     /// move, or where there are more than [`MOST_PHASES`].
     pub(super) fn of_each_recording(&self, fields: &[Field]) -> Option<Vec<Field>> {
         let dataset = self.form.dataset;
@@ -125,7 +129,7 @@ impl<'a> Library<'a> {
         }
         let own = |i: usize, field: &Field| -> Field {
             let pieces = field.iter().zip(&dataset.pieces);
-            pieces.map(|(g, p)| if p.recording == i { g.clone() } else { vec![0.0; g.len()] }).collect()
+            pieces.map(|(g, p)| if p.recording == i { g.clone() } else { Vec::new() }).collect()
         };
         let rows = |i: usize| self.form.rows.iter().filter(|r| dataset.pieces[r.piece].recording == i).count();
         let moving: Vec<usize> = (0..dataset.recordings).filter(|i| rows(*i) > LEAST_ROWS).collect();

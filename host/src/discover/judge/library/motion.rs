@@ -51,9 +51,6 @@ impl Library<'_> {
     pub(super) fn bristles(&self) -> Vec<Term> {
         let mut terms = Vec::new();
         let Some([least, ratio]) = self.strokes() else { return terms };
-        if self.model.terms.iter().any(|t| t.replaces_direction) {
-            return terms;
-        }
         for i in 0..STROKES {
             let stroke = least * ratio.powi(i);
             terms.push(self.dahl(stroke));

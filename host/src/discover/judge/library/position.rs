@@ -5,6 +5,7 @@ use breakaway_core::plant::Kind;
 use super::super::term::{Column, Name, Shape, Term};
 use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, peaks};
 use super::super::weak_form::{Field, Sample};
+use super::made::once;
 use super::{LINES, Library, effect};
 
 /// Effects for which the spectra over position are made.
@@ -103,7 +104,8 @@ impl Library<'_> {
             }
         }
         if let Some(radians) = self.radians {
-            terms.extend(self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave));
+            let ripple = || self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave);
+            terms.extend(once(&form.made.eccentricity, ripple));
         }
         let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
         for k in lines.into_iter().filter(seen) {

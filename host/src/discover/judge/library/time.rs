@@ -7,6 +7,7 @@ use breakaway_core::plant::Kind;
 use super::super::term::{Column, Term};
 use super::super::wave_numbers::{Over, Peaks, peaks};
 use super::super::weak_form::Field;
+use super::made::once;
 use super::{LINES, Library, effect};
 
 /// Effects of session time.
@@ -29,7 +30,8 @@ impl Library<'_> {
         let times: Vec<f64> = form.rows.iter().map(|r| form.dataset.pieces[r.piece].t[r.centre]).collect();
         let (Some(first), Some(last)) = (times.first(), times.last()) else { return terms };
         let (first, span) = (*first, last - first);
-        terms.extend(WARM_UPS.map(|share| self.friction_drift(share * span)));
+        let drifts = || WARM_UPS.map(|share| self.friction_drift(share * span)).to_vec();
+        terms.extend(once(&form.made.drifts, drifts));
         if self.drive_varies() {
             let of = |drive: &Field| self.field(|s| drive[s.piece][s.k] * (s.t - first) / span);
             let mut term = effect(Kind::GainDrift, vec![of(&self.predicted)]);
