@@ -24,9 +24,9 @@ impl Law for Cogging {
             Parameter::phase("phi2", 3, "phase of the second harmonic").refinement(0.0),
         ],
         shown_by: "long travel at low speed",
-        confused_with: &["encoder_eccentricity", "time_periodic", "position_friction", "gravity_load"],
+        confused_with: &["encoder_eccentricity", "time_periodic", "position_friction", "gravity_load", "spring"],
         compensation: Some("feed-forward along the reference"),
-        generalises: &["gravity_load", "constant_load"],
+        generalises: &["gravity_load", "constant_load", "spring"],
         repeats: true,
         phase_per_recording: true,
         ..Definition::PLAIN

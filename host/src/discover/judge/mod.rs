@@ -13,6 +13,7 @@ pub mod library;
 mod observation;
 mod one_wave;
 pub mod outcome;
+mod periodogram;
 pub mod reading_age;
 pub mod regression;
 pub mod remainder;

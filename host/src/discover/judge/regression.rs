@@ -43,32 +43,23 @@ impl Design<'_> {
         if foreign || n < 4 * p + 8 || folds < 2 {
             return None;
         }
-        let scale: Vec<f64> = columns.iter().map(|c| rms(c)).collect();
+        let blocks = blocks_of(form);
+        let acting = Acting::of(&columns, &blocks);
+        let scale: Vec<f64> = acting.squares.iter().map(|square| (square / n as f64).sqrt()).collect();
         if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
             return None;
         }
-        // Weighted and scaled; the target is the last column. Rows of one block follow each other.
-        let mut weighted: Vec<Vec<f64>> = columns
-            .iter()
-            .zip(&scale)
-            .map(|(column, scale)| {
-                let unit = 1.0 / scale;
-                column.iter().zip(weights).map(|(c, w)| w * c * unit).collect()
-            })
-            .collect();
-        weighted.push(self.target.iter().zip(weights).map(|(t, w)| w * t).collect());
-        let blocks = blocks_of(form);
+        let per_scale: Vec<f64> = scale.iter().map(|scale| 1.0 / scale).collect();
         let mut grams = vec![DMatrix::<f64>::zeros(p + 1, p + 1); folds];
-        // A column of one recording is zero in the blocks of the others.
-        let acting = |rows: &Range<usize>| -> Vec<usize> {
-            (0..p).filter(|j| columns[*j][rows.clone()].iter().any(|c| *c != 0.0)).collect()
-        };
-        let acting: Vec<Vec<usize>> = blocks.iter().map(|(_, rows)| acting(rows)).collect();
-        for ((block, rows), acting) in blocks.iter().zip(&acting) {
+        let mut weighted = Weighted::default();
+        for ((block, rows), acting) in blocks.iter().zip(&acting.columns) {
             let gram = &mut grams[block % folds];
-            for (i, a) in acting.iter().chain([&p]).enumerate() {
-                for b in acting[i..].iter().chain([&p]) {
-                    gram[(*b, *a)] += dot(&weighted[*a][rows.clone()], &weighted[*b][rows.clone()]);
+            // The target is the last column.
+            weighted.make(acting, &columns, self.target, (&per_scale, weights), rows);
+            let of = |i: &usize| if *i == acting.len() { p } else { acting[*i] };
+            for a in 0..=acting.len() {
+                for b in a..=acting.len() {
+                    gram[(of(&b), of(&a))] += dot(weighted.column(a), weighted.column(b));
                 }
             }
         }
@@ -78,21 +69,24 @@ impl Design<'_> {
             grams.iter().map(|gram| Some(solve(&(&all - gram), p)?.0)).collect::<Option<_>>()?;
         let mut residual = self.target.to_vec();
         let mut scores = DMatrix::<f64>::zeros(form.blocks, p);
-        for ((block, rows), acting) in blocks.iter().zip(&acting) {
+        let mut own = Vec::new();
+        for ((block, rows), acting) in blocks.iter().zip(&acting.columns) {
             let of_fold = &of_folds[block % folds];
-            let mut own = weighted[p][rows.clone()].to_vec();
-            for j in acting.iter().copied() {
-                let step = of_fold[j] / scale[j];
+            weighted.make(acting, &columns, self.target, (&per_scale, weights), rows);
+            own.clear();
+            own.extend_from_slice(weighted.column(acting.len()));
+            for (i, j) in acting.iter().copied().enumerate() {
+                let step = of_fold[j] * per_scale[j];
                 for (r, c) in residual[rows.clone()].iter_mut().zip(&columns[j][rows.clone()]) {
                     *r -= step * c;
                 }
-                for (r, c) in own.iter_mut().zip(&weighted[j][rows.clone()]) {
+                for (r, c) in own.iter_mut().zip(weighted.column(i)) {
                     *r -= coefficients[j] * c;
                 }
             }
             // Rows of one block are not independent, so that the scores are summed over blocks.
-            for j in acting.iter().copied() {
-                scores[(*block, j)] += dot(&own, &weighted[j][rows.clone()]);
+            for (i, j) in acting.iter().copied().enumerate() {
+                scores[(*block, j)] += dot(&own, weighted.column(i));
             }
         }
         if residual.iter().any(|r| !r.is_finite()) {
@@ -104,6 +98,63 @@ impl Design<'_> {
             coefficients: coefficients.iter().zip(&scale).map(|(c, s)| c / s).collect(),
             residual,
         })
+    }
+}
+
+/// Where the columns are not zero. A column of one recording is zero in the blocks of the others.
+struct Acting {
+    /// Indices of the columns that are not zero in a block, for every block.
+    columns: Vec<Vec<usize>>,
+    /// Sum of squares of every column.
+    squares: Vec<f64>,
+}
+
+impl Acting {
+    fn of(columns: &[&[f64]], blocks: &[(usize, Range<usize>)]) -> Self {
+        let mut squares = vec![0.0; columns.len()];
+        let acting = blocks.iter().map(|(_, rows)| {
+            let each = columns.iter().zip(&mut squares).enumerate();
+            let acts = each.filter_map(|(j, (column, sum))| {
+                let own = &column[rows.clone()];
+                let square = dot(own, own);
+                *sum += square;
+                // A square that is no number must be seen.
+                (square != 0.0).then_some(j)
+            });
+            acts.collect()
+        });
+        Self { columns: acting.collect(), squares }
+    }
+}
+
+/// The columns of one block, weighted and scaled, one after the other; the target comes last.
+#[derive(Default)]
+struct Weighted {
+    rows: usize,
+    values: Vec<f64>,
+}
+
+impl Weighted {
+    fn make(
+        &mut self,
+        acting: &[usize],
+        columns: &[&[f64]],
+        target: &[f64],
+        (per_scale, weights): (&[f64], &[f64]),
+        rows: &Range<usize>,
+    ) {
+        self.rows = rows.len();
+        self.values.clear();
+        let weights = &weights[rows.clone()];
+        for j in acting {
+            let (own, unit) = (&columns[*j][rows.clone()], per_scale[*j]);
+            self.values.extend(own.iter().zip(weights).map(|(c, w)| w * c * unit));
+        }
+        self.values.extend(target[rows.clone()].iter().zip(weights).map(|(t, w)| w * t));
+    }
+
+    fn column(&self, i: usize) -> &[f64] {
+        &self.values[i * self.rows..(i + 1) * self.rows]
     }
 }
 

@@ -4,8 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
-
+use super::periodogram::{FASTEST_TURN, Lines, Near, Point, spectrum};
 use super::weak_form::WeakForm;
 use crate::fit::golden_section;
 
@@ -13,24 +12,11 @@ use crate::fit::golden_section;
 const MOST_WINDOWS: usize = 4000;
 const MOST_LINES: usize = 12_000;
 /// Most lines that are tried to either side of one, where all recordings share a phase.
-const MOST_STEPS: i64 = 200;
+const MOST_STEPS: usize = 200;
 /// Lines in the resolution of the longest stretch.
 const OVERSAMPLING: f64 = 4.0;
 /// One window in so many must be slow enough to show a ripple.
 const SLOWEST: usize = 40;
-/// Turn of a ripple between two samples above which it is not seen, rad.
-const FASTEST_TURN: f64 = 1.5;
-
-/// Position or time of a window, its rate, and its residual.
-struct Point {
-    group: usize,
-    at: f64,
-    rate: f64,
-    residual: f64,
-    weight: f64,
-    h_s: f64,
-}
-
 /// The coordinate of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
@@ -68,7 +54,7 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
     // A ripple that is not seen twice is none.
     let first = 2 * OVERSAMPLING as usize;
     let lines = ((fastest / spacing) as usize).clamp(first + 8, MOST_LINES);
-    let mut power = spectrum(&points, spacing, lines, form.half_width_s);
+    let mut power = spectrum(&points, Lines { first: 0.0, spacing, count: lines }, form.half_width_s);
     power[..first].fill(0.0);
     let mut found = Vec::new();
     for _ in 0..count {
@@ -96,11 +82,12 @@ pub fn coherent(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], k: f64) 
     }
     let fine = TAU / all / OVERSAMPLING;
     let reach = TAU / own / 2.0;
-    let steps = ((reach / fine) as i64).min(MOST_STEPS);
-    let each = (-steps..=steps).map(|i| k + i as f64 * fine).filter(|k| *k > 0.0);
-    let best = each
-        .max_by(|a, b| explained(&points, *a, form.half_width_s).total_cmp(&explained(&points, *b, form.half_width_s)));
-    refined(&points, best.unwrap_or(k), fine, form.half_width_s)
+    let steps = ((reach / fine) as usize).min(MOST_STEPS);
+    let below = steps.min((k / fine).ceil() as usize - 1);
+    let lines = Lines { first: k - below as f64 * fine, spacing: fine, count: below + 1 + steps };
+    let power = spectrum(&points, lines, form.half_width_s);
+    let best = (0..lines.count).max_by(|a, b| power[*a].total_cmp(&power[*b]));
+    refined(&points, best.map_or(k, |best| lines.at(best)), fine, form.half_width_s)
 }
 
 fn points(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over) -> Vec<Point> {
@@ -149,91 +136,11 @@ pub fn audible(turn: f64) -> f64 {
     1.0 / (1.0 + (1.3 * turn.abs()).powi(8))
 }
 
-/// [`explained`] at every multiple of `spacing`. The waves are turned on from line to line, which saves their sines.
-fn spectrum(points: &[Point], spacing: f64, lines: usize, half_width_s: f64) -> Vec<f64> {
-    let groups = points.iter().map(|p| p.group).max().map_or(0, |g| g + 1);
-    let table: Vec<f64> = (0..=TABLE).map(|i| attenuation(TABLE_TURN * i as f64 / TABLE as f64)).collect();
-    let chunks: Vec<usize> = (0..lines).step_by(CHUNK).collect();
-    // The largest wave number at which a point shows a ripple. Those that show the highest come first, so that each line
-    // looks at the points before one, and no wave is turned on in vain.
-    let seen = |p: &Point| {
-        (TABLE_TURN / (p.rate * half_width_s).abs().max(f64::MIN_POSITIVE))
-            .min(FASTEST_TURN / (p.rate * p.h_s).abs().max(f64::MIN_POSITIVE))
-    };
-    let mut points: Vec<(f64, &Point)> = points.iter().map(|p| (seen(p), p)).collect();
-    points.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let points = &points;
-    let power = chunks.into_par_iter().flat_map_iter(|from| {
-        let to = (from + CHUNK).min(lines);
-        let showing = |line: usize| points.partition_point(|(most, _)| *most > line as f64 * spacing);
-        let mut waves: Vec<[f64; 4]> = points[..showing(from)]
-            .iter()
-            .map(|(_, p)| {
-                let (sin, cos) = (from as f64 * spacing * p.at).sin_cos();
-                let (turn_sin, turn_cos) = (spacing * p.at).sin_cos();
-                [sin, cos, turn_sin, turn_cos]
-            })
-            .collect();
-        let mut powers = Vec::with_capacity(to - from);
-        for line in from..to {
-            let turn_of_rate = line as f64 * spacing * half_width_s * (TABLE as f64 / TABLE_TURN);
-            let mut sums = vec![[0.0; 5]; groups];
-            waves.truncate(showing(line));
-            for ((_, p), wave) in points.iter().zip(&mut waves) {
-                let left = p.weight * table[((turn_of_rate * p.rate).abs() as usize).min(TABLE)];
-                add(&mut sums[p.group], left, wave[0], wave[1], p.residual);
-                let [sin, cos, turn_sin, turn_cos] = *wave;
-                wave[0] = sin * turn_cos + cos * turn_sin;
-                wave[1] = cos * turn_cos - sin * turn_sin;
-            }
-            powers.push(sums.iter().map(explained_by).sum());
-        }
-        powers
-    });
-    power.collect()
-}
-
-/// Lines whose waves are turned on in one go; entries of the attenuation's table; and the turn at its end, rad. Beyond it
-/// a window passes less than 1 % of a ripple.
-const CHUNK: usize = 256;
-const TABLE: usize = 4096;
-const TABLE_TURN: f64 = 12.0;
-
-#[inline]
-fn add(sum: &mut [f64; 5], left: f64, sin: f64, cos: f64, residual: f64) {
-    sum[0] += left * sin * residual;
-    sum[1] += left * cos * residual;
-    sum[2] += left * left * sin * sin;
-    sum[3] += left * left * cos * cos;
-    sum[4] += left * left * sin * cos;
-}
-
-/// Sum of squares that a sine and a cosine explain; 0 where the windows do not tell them apart.
-fn explained_by([s, c, ss, cc, sc]: &[f64; 5]) -> f64 {
-    let determinant = ss * cc - sc * sc;
-    if determinant > 1e-3 * (ss + cc).powi(2) && ss + cc > 4.0 {
-        (s * s * cc - 2.0 * s * c * sc + c * c * ss) / determinant
-    } else {
-        0.0
-    }
-}
-
-/// Sum of squares that sine and cosine of wave number `k` explain, with a phase for each recording.
-fn explained(points: &[Point], k: f64, half_width_s: f64) -> f64 {
-    let groups = points.iter().map(|p| p.group).max().map_or(0, |g| g + 1);
-    let mut sums = vec![[0.0; 5]; groups];
-    for p in points {
-        let left = p.weight * attenuation(k * p.rate * half_width_s) * audible(k * p.rate * p.h_s);
-        let (sin, cos) = (k * p.at).sin_cos();
-        add(&mut sums[p.group], left, sin, cos, p.residual);
-    }
-    sums.iter().map(explained_by).sum()
-}
-
 /// The line's place between its neighbours, by golden section.
 fn refined(points: &[Point], k: f64, spacing: f64, half_width_s: f64) -> f64 {
     let bracket = [(k - spacing).max(0.25 * spacing), k + spacing];
-    golden_section(bracket, 24, |k| -explained(points, k, half_width_s))
+    let near = Near::new(points, k, half_width_s);
+    golden_section(bracket, 24, |k| -near.explained(k))
 }
 
 #[cfg(test)]
