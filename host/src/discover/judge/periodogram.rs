@@ -133,17 +133,19 @@ fn sums_and_turn(
     let turns = turn_sin.as_chunks::<LANES>().0.iter().zip(turn_cos.as_chunks::<LANES>().0);
     let points = left.as_chunks::<LANES>().0.iter().zip(residual.as_chunks::<LANES>().0);
     for (((sin, cos), (turn_sin, turn_cos)), (left, residual)) in waves.zip(turns).zip(points) {
+        // Copies, so that the compiler sees that nothing overlaps.
+        let (sine, cosine) = (*sin, *cos);
+        let passed = |wave: [f32; LANES]| -> [f32; LANES] { std::array::from_fn(|i| left[i] * wave[i]) };
+        let (s, c) = (passed(sine), passed(cosine));
         for i in 0..LANES {
-            let (s, c) = (left[i] * sin[i], left[i] * cos[i]);
-            sums[0][i] += s * residual[i];
-            sums[1][i] += c * residual[i];
-            sums[2][i] += s * s;
-            sums[3][i] += c * c;
-            sums[4][i] += s * c;
-            let turned = sin[i] * turn_cos[i] + cos[i] * turn_sin[i];
-            cos[i] = cos[i] * turn_cos[i] - sin[i] * turn_sin[i];
-            sin[i] = turned;
+            sums[0][i] += s[i] * residual[i];
+            sums[1][i] += c[i] * residual[i];
+            sums[2][i] += s[i] * s[i];
+            sums[3][i] += c[i] * c[i];
+            sums[4][i] += s[i] * c[i];
         }
+        *sin = std::array::from_fn(|i| sine[i] * turn_cos[i] + cosine[i] * turn_sin[i]);
+        *cos = std::array::from_fn(|i| cosine[i] * turn_cos[i] - sine[i] * turn_sin[i]);
     }
     sums.map(|lanes| lanes.into_iter().map(f64::from).sum())
 }

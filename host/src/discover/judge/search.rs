@@ -189,10 +189,30 @@ impl<'a> Stage<'a> {
         Library::new(self.form, &self.model, &self.fitted, &self.weights)
     }
 
+    /// The terms without the second bodies that side U alone tells to be idle. A second body filters every column of side
+    /// A, which takes most of the time. Both sides must gain by it, so it is among those that gain most on side U.
+    fn promising(&self, terms: Vec<Term>) -> Vec<Term> {
+        let (bodies, mut terms): (Vec<Term>, Vec<Term>) = terms.into_iter().partition(|term| term.body.is_some());
+        let left = |term: &Term| {
+            let side = self.model.with(term).fit_drive(self.form, &self.weights.u, self.settings);
+            side.map_or(f64::INFINITY, |side| side.residual.iter().zip(&self.weights.u).map(|(r, w)| (r * w).powi(2)).sum())
+        };
+        let mut ranked: Vec<(f64, Term)> = bodies.into_par_iter().map(|term| (left(&term), term)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut kept: Vec<Name> = Vec::new();
+        for (_, term) in ranked {
+            if kept.iter().filter(|name| **name == term.name).count() < BODIES {
+                kept.push(term.name);
+                terms.push(term);
+            }
+        }
+        terms
+    }
+
     /// Every term of the library alone. The best of them leave their grid.
     pub(super) fn singles(&self) -> (Vec<Tried>, Bar) {
         let library = self.library();
-        let terms = library.terms();
+        let terms = self.promising(library.terms());
         let mut all: Vec<Tried> = terms.into_par_iter().filter_map(|term| self.weighed(term, &Bar::OPEN)).collect();
         let bar = self.bar(&all);
         let decoys = bar::decoys(&all, self.settings);
@@ -243,6 +263,8 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// Most second bodies, and most damped modes, that are tried on both sides.
+const BODIES: usize = 20;
 /// Gain on a side above which a term is tried with a partner, nats.
 const PAIR_GAIN: f64 = 0.05;
 /// Most terms that are tried with a partner.
