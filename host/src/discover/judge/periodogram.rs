@@ -78,8 +78,7 @@ impl Group {
             (TABLE_TURN / (p.rate * half_width_s).abs().max(f64::MIN_POSITIVE))
                 .min(FASTEST_TURN / (p.rate * p.h_s).abs().max(f64::MIN_POSITIVE))
         };
-        let mut own: Vec<(f64, &Point)> =
-            points.iter().filter(|p| p.group == group).map(|p| (highest(p), p)).collect();
+        let mut own: Vec<(f64, &Point)> = points.iter().filter(|p| p.group == group).map(|p| (highest(p), p)).collect();
         own.sort_by(|a, b| b.0.total_cmp(&a.0));
         let padded = own.len().next_multiple_of(LANES);
         let of = |f: &dyn Fn(&Point) -> f64| -> Vec<f64> {

@@ -195,7 +195,9 @@ impl<'a> Stage<'a> {
         let (bodies, mut terms): (Vec<Term>, Vec<Term>) = terms.into_iter().partition(|term| term.body.is_some());
         let left = |term: &Term| {
             let side = self.model.with(term).fit_drive(self.form, &self.weights.u, self.settings);
-            side.map_or(f64::INFINITY, |side| side.residual.iter().zip(&self.weights.u).map(|(r, w)| (r * w).powi(2)).sum())
+            side.map_or(f64::INFINITY, |side| {
+                side.residual.iter().zip(&self.weights.u).map(|(r, w)| (r * w).powi(2)).sum()
+            })
         };
         let mut ranked: Vec<(f64, Term)> = bodies.into_par_iter().map(|term| (left(&term), term)).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
