@@ -11,7 +11,7 @@ use super::judge::finding::Finding;
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
 use super::model::Model;
-use super::outcome::{Discovery, Force, NamedEffect, Rival, Verdict};
+use super::outcome::{Discovery, Force, NamedEffect, Rival, Rung, Verdict};
 use super::progress::{Progress, Watch};
 use super::ruled::radians;
 use super::search::{Ended, parameters, rung, settled};
@@ -41,10 +41,15 @@ pub(super) fn found(
     let simulated = |ruling: &Ruling| {
         if ruling.findings.is_empty() { (base.clone(), None) } else { simulated(data, base, ruling, rotary) }
     };
+    let withdrawn = |ruling: &Ruling, ladder: &[Rung], fit: &Fit| {
+        contradicted(ruling, ladder).filter(|_| !follows(data, base, fit))
+    };
     let (mut ruling, mut own) = (ruling.clone(), simulated(ruling));
     for other in [ruling.without_small(), ruling.with_seen()].into_iter().flatten() {
         let others = simulated(&other);
-        if follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0) {
+        // What would be withdrawn must not take the names of the forces with it.
+        let doubted = withdrawn(&other, &[rung(data, base), rung(data, &others.0)], &others.0).is_some();
+        if !doubted && (follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0)) {
             (ruling, own) = (other, others);
             break;
         }
@@ -68,7 +73,7 @@ pub(super) fn found(
     if !ruling.findings.is_empty() {
         ladder.push(rung(data, &fit));
     }
-    if let Some(reason) = contradicted(&ruling, &ladder).filter(|_| !follows(data, base, &fit)) {
+    if let Some(reason) = withdrawn(&ruling, &ladder, &fit) {
         remarks.push(reason);
         let doubted = Ruling { findings: Vec::new(), seen: Vec::new(), ..ruling.clone() };
         let (mut found, _) = self::found(request, units, &doubted, progress)?;

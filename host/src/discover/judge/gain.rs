@@ -76,7 +76,7 @@ const LEAST_FREEDOM: f64 = 1e-6;
 
 /// The normal number that is as likely as a t of so many degrees of freedom, to a hundredth (Wallace 1959, *Annals of
 /// Mathematical Statistics* 30, 1124).
-fn z_of_t(t: f64, freedom: f64) -> f64 {
+pub(in crate::discover) fn z_of_t(t: f64, freedom: f64) -> f64 {
     let size = (freedom * (t * t / freedom).ln_1p()).sqrt() * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
     size.copysign(t)
 }
