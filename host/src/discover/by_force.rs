@@ -134,7 +134,8 @@ fn verdict(ruling: &Ruling) -> Verdict {
 /// happens behind teeth, where a simulated rotor is soon off by one. Where neither can be simulated the base is
 /// returned. The remark says why they are those of the force fit.
 fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Option<String>) {
-    let mut candidate = Candidate { base: ruling.base, effects: base.candidate.effects.clone() };
+    let own = ruling.simulable_base().unwrap_or(base.candidate.base);
+    let mut candidate = Candidate { base: own, effects: base.candidate.effects.clone() };
     candidate.effects.extend(ruling.findings.iter().map(|finding| finding.effect));
     let known = base.candidate.effects.len();
     let held = |free: &Free| match *free {

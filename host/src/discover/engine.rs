@@ -306,7 +306,7 @@ fn nearest(data: &Data, fits: impl Iterator<Item = Result<Fit, FitError>>) -> Re
 /// remains where the forces tell the inertia and name an effect.
 fn starting_models(request: &Request, ruling: Option<&Ruling>) -> Result<(Vec<Candidate>, Vec<String>), DiscoverError> {
     let identified = estimate::starting_model(&request.recordings);
-    let by_force = ruling.map(|ruling| ruling.base).filter(|base| base.b > 0.0);
+    let by_force = ruling.and_then(Ruling::simulable_base);
     let own = identified.as_ref().ok().map(|identified| {
         let best = &identified.best;
         Base { b: best.b.value, c: best.c.value.max(0.0), f1: best.f1.value.max(0.0) }

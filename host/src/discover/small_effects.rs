@@ -92,6 +92,9 @@ fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Mo
             model.effects[known..].copy_from_slice(&fitted.effects[known..]);
             model.on(fitted.base)
         }
-        None => model.on(ruling.base),
+        None => match ruling.simulable_base() {
+            Some(base) => model.on(base),
+            None => model,
+        },
     }
 }

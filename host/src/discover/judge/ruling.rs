@@ -78,6 +78,10 @@ impl Ruling {
     pub fn tells_inertia(&self) -> bool {
         self.base.b > 0.0 && self.coherence >= COHERENT
     }
+    /// The base of the force fit; `None` where its inertia is not positive, so that it cannot be simulated.
+    pub fn simulable_base(&self) -> Option<Base<f64>> {
+        (self.base.b > 0.0).then_some(self.base)
+    }
     /// Whether little is left: of the drive, or beyond the sensor's noise. Where more is left and nothing predicts it, the
     /// recordings cannot tell whether it is random. Nor can they where only some of them give the names.
     pub fn leaves_little(&self) -> bool {
