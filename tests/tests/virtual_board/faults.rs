@@ -145,8 +145,8 @@ fn a_host_that_is_cut_off_in_mid_motion() {
         // It goes on saying that it is there, to nobody.
         bench.take(Duration::ZERO);
     }
-    // 2000 ticks after the board read the last command that got through. It was sent at most two intervals before the
-    // cut, for a busy machine sends late; it may have waited in QEMU for less than one. The record below is exact.
+    // 2000 ticks after the board read the last command that got through. A busy machine sends late, so it was sent at
+    // most two intervals before the cut. It may have waited in QEMU for less than one. The record below is exact.
     let expected = cut + 2_000 - 2 * COMMANDS..=cut + 2_002 + COMMANDS;
     assert!(expected.contains(&last_driven), "cut at {cut}, driven until {last_driven}");
     // What was captured until then is whole.

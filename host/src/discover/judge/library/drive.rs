@@ -34,8 +34,8 @@ pub(super) fn arriving(kind: Kind, parameters: &[f64]) -> Option<Term> {
 }
 
 impl Library<'_> {
-    /// The ways that the model does not have yet: one that makes the drive late, one that takes a share of it, and one
-    /// that cuts it.
+    /// The ways that the model does not have yet. It may have one that makes the drive late, one that takes a share of it,
+    /// and one that cuts it.
     pub(super) fn of_the_drive(&self) -> Vec<Term> {
         let taken: Vec<Way> = self.model.terms.iter().filter_map(|term| term.drive.map(Way::of)).collect();
         let mut terms = once(&self.form.made.arrivals, || self.arrivals());
