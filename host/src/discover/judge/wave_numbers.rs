@@ -83,7 +83,7 @@ pub fn coherent(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], k: f64) 
     let fine = TAU / all / OVERSAMPLING;
     let reach = TAU / own / 2.0;
     let steps = ((reach / fine) as usize).min(MOST_STEPS);
-    let below = steps.min((k / fine).ceil() as usize - 1);
+    let below = steps.min(((k / fine).ceil() as usize).saturating_sub(1));
     let lines = Lines { first: k - below as f64 * fine, spacing: fine, count: below + 1 + steps };
     let power = spectrum(&points, lines, form.half_width_s);
     let best = (0..lines.count).max_by(|a, b| power[*a].total_cmp(&power[*b]));

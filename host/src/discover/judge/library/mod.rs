@@ -14,8 +14,7 @@ use breakaway_core::plant::Kind;
 pub use bodies::MOST_DAMPING;
 pub use made::Made;
 
-use made::once;
-
+use self::made::once;
 use super::sides::{Fitted, Model, Weights};
 use super::term::{Name, Term};
 use super::weak_form::{Field, Sample, WeakForm, percentile};
@@ -120,8 +119,8 @@ impl<'a> Library<'a> {
         self.form.field(f)
     }
 
-    /// Each of the fields within each recording that moves, and nothing in the others, which counts as 0. `None` where fewer than two recordings
-    /// move, or where there are more than [`MOST_PHASES`].
+    /// Each of the fields within each recording that moves. It has no samples in the others, which counts as 0. `None` where
+    /// fewer than two recordings move, or where there are more than [`MOST_PHASES`].
     pub(super) fn of_each_recording(&self, fields: &[Field]) -> Option<Vec<Field>> {
         let dataset = self.form.dataset;
         if !(2..=MOST_PHASES).contains(&dataset.recordings) {
