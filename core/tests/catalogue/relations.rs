@@ -69,7 +69,7 @@ fn as_special(general: Kind, special: Kind) -> Option<Effect<f64>> {
         (Kind::Cogging, Kind::GravityLoad) => &[a, 1.0, b],
         (Kind::Cogging | Kind::TimePeriodic, Kind::ConstantLoad) => &[a, 1e-9, -FRAC_PI_2],
         // A wave of 63 000 position units is straight where the axis moves.
-        (Kind::Cogging, Kind::Spring) => &[a / 1e-4, 1e-4, -1e-4 * b],
+        (Kind::Cogging, Kind::Spring) => &[-a / 1e-4, 1e-4, -1e-4 * b],
         (Kind::Spring, Kind::ConstantLoad) => &[1e-7, -a / 1e-7],
         (Kind::LuGre, Kind::Dahl) => &[a, 0.0, 0.0, 1.0],
         // Bristles of 5e-6, f1 over their stiffness.
