@@ -48,8 +48,8 @@ pub(super) fn found(
     for other in [ruling.without_small(), ruling.with_seen()].into_iter().flatten() {
         let others = simulated(&other);
         // What would be withdrawn must not take the names of the forces with it.
-        let doubted = withdrawn(&other, &[rung(data, base), rung(data, &others.0)], &others.0).is_some();
-        if !doubted && (follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0)) {
+        let stays = || withdrawn(&other, &[rung(data, base), rung(data, &others.0)], &others.0).is_none();
+        if (follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0)) && stays() {
             (ruling, own) = (other, others);
             break;
         }
@@ -254,6 +254,14 @@ mod tests {
         let (named, remarks) = names(&request, &ruling);
         assert_eq!(named, [Kind::ConstantLoad, Kind::QuadraticDrag]);
         assert!(!remarks.iter().any(|remark| remark.contains("is seen too")), "{remarks:?}");
+    }
+
+    /// A force fit whose inertia is not positive cannot be simulated. Its names then start from the motion's base.
+    #[test]
+    fn names_are_simulated_without_the_inertia_of_the_forces() {
+        let (request, mut ruling) = axis_with_a_drag();
+        ruling.base.b = -1.0;
+        assert_eq!(names(&request, &ruling).0.first(), Some(&Kind::ConstantLoad));
     }
 
     /// Another effect in its place lowers no error of the motion, and stays a remark.

@@ -92,9 +92,6 @@ fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Mo
             model.effects[known..].copy_from_slice(&fitted.effects[known..]);
             model.on(fitted.base)
         }
-        None => match ruling.simulable_base() {
-            Some(base) => model.on(base),
-            None => model,
-        },
+        None => model.on(ruling.simulable_base().unwrap_or(start.base.candidate.base)),
     }
 }

@@ -101,7 +101,7 @@ fn an_emergency_stop() {
 }
 
 /// Ticks between two commands of a client that has nothing to say: 0.2 s of its time, at three times real time.
-const COMMANDS: u64 = 600;
+const COMMAND_INTERVAL_TICKS: u64 = 600;
 
 #[test]
 fn a_host_that_is_gone() {
@@ -115,7 +115,7 @@ fn a_host_that_is_gone() {
     let off = seen.iter().find(|seen| seen.code == 0).unwrap();
     // 2000 ticks after the board read the last command, and two. What was sent before the end may still wait in
     // QEMU, for less than the interval of the commands.
-    assert!(off.tick - first.tick <= 2002 + COMMANDS, "off after {} ticks", off.tick - first.tick);
+    assert!(off.tick - first.tick <= 2002 + COMMAND_INTERVAL_TICKS, "off after {} ticks", off.tick - first.tick);
     let (mut client, _) = breakaway::device::Client::connect(&port, breakaway_core::link::BAUD).unwrap();
     let Ok(Reply::Fault(Some(record))) = client.request(Command::GetFault) else { panic!("no fault") };
     assert_eq!((record.cause, record.value, record.limit), (FaultCause::LinkLost, 2000, 2000));
@@ -147,7 +147,7 @@ fn a_host_that_is_cut_off_in_mid_motion() {
     }
     // 2000 ticks after the board read the last command that got through. A busy machine sends late, so it was sent at
     // most two intervals before the cut. It may have waited in QEMU for less than one. The record below is exact.
-    let expected = cut + 2_000 - 2 * COMMANDS..=cut + 2_002 + COMMANDS;
+    let expected = cut + 2_000 - 2 * COMMAND_INTERVAL_TICKS..=cut + 2_002 + COMMAND_INTERVAL_TICKS;
     assert!(expected.contains(&last_driven), "cut at {cut}, driven until {last_driven}");
     // What was captured until then is whole.
     let captured = bench.samples.last().unwrap().tick;

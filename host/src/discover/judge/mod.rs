@@ -1,5 +1,6 @@
 //! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
+mod attenuation;
 pub(in crate::discover) mod bar;
 mod compliance;
 mod coordinate_search;

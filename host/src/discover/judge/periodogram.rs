@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::wave_numbers::{attenuation, audible};
+use super::attenuation::{attenuation, audible};
 
 /// Position or time of a window, its rate, and its residual.
 pub(super) struct Point {

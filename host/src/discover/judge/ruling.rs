@@ -164,7 +164,7 @@ pub fn rule_from(
     });
     let judged = forms.filter_map(|mut form| {
         let own = judge(&form, settings)?;
-        // The library of a long session takes as much memory as hundreds of sessions.
+        // It holds hundreds of fields as long as the session, and other windows make their own.
         form.made = Made::default();
         Some((form, own))
     });

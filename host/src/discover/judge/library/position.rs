@@ -2,8 +2,9 @@
 
 use breakaway_core::plant::Kind;
 
+use super::super::attenuation::{attenuation, audible};
 use super::super::term::{Column, Name, Shape, Term};
-use super::super::wave_numbers::{Over, Peaks, attenuation, audible, coherent, peaks};
+use super::super::wave_numbers::{Over, Peaks, coherent, peaks};
 use super::super::weak_form::{Field, Sample};
 use super::made::once;
 use super::{LINES, Library, effect};
