@@ -56,7 +56,16 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if ruling.is_some_and(|ruling| small.effects.iter().all(|named| speaks_against(ruling, named.kind))) {
         return false;
     }
-    Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
+    let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
+    ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)))
+        || Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
+}
+
+/// Whether the measured forces gave each of the `names` of the simulated motion too, and none of their names is left
+/// `before`. The search on the motion then found another fit with the same names. Two witnesses need no third.
+fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
+    let of_forces = |kind: &Kind| ruling.findings.iter().any(|finding| finding.effect.kind == *kind);
+    before.is_empty() && names.iter().all(of_forces)
 }
 
 /// Whether the names of `small` and of `before` differ, and only by effects that the measured forces do not tell. What
@@ -165,6 +174,16 @@ mod tests {
         let more_force = Corroboration { force: Some([1.0, 1.03]), ..TRUE_NAME };
         assert!(!more_force.holds(false) && more_force.holds(true));
         assert!(Corroboration { force: None, ..TRUE_NAME }.holds(false));
+    }
+
+    /// Cogging beside a spring (hidden plant, unkind world, seed 8784, 30 %). Both witnesses give the two, and the fit that
+    /// begins with the parameters of the forces follows no motion.
+    #[test]
+    fn what_forces_and_motion_give_needs_no_third_witness() {
+        let ruling = Ruling::naming(&[Kind::Spring, Kind::Cogging], [0.06, 40.0]);
+        assert!(agree(&ruling, &[Kind::Cogging, Kind::Spring], &[]) && agree(&ruling, &[Kind::Spring], &[]));
+        assert!(!agree(&ruling, &[Kind::Cogging, Kind::Delay], &[]));
+        assert!(!agree(&ruling, &[Kind::Spring], &[Kind::Spring, Kind::Cogging]));
     }
 
     /// Backlash, blind case 845 (10 %). The model is at the noise over .1 s, and no model follows its impacts for a

@@ -1,15 +1,13 @@
 //! The way through a discovery. The judge rules on the forces. The simulated motion gives parameters and small effects.
 //! What was found is then assembled.
 
-use std::f64::consts::FRAC_PI_2;
-
-use breakaway_core::plant::effect::Role;
 use breakaway_core::plant::{Base, Kind};
 use web_time::Instant;
 
 use super::by_force;
 use super::corroboration;
 use super::data::Data;
+use super::following::off_by_a_tooth;
 use super::gap::open_loop_squares;
 use super::judge::library::{tells, weighs};
 use super::judge::ruling::Ruling;
@@ -166,7 +164,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 /// the forces speak for. Unless random torque explains what is left, bristles and what they named remain too. An effect
 /// against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
-    if off_by_a_tooth(ruling, found) || found.over_noise() > ROUGH {
+    let error = found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
+    if off_by_a_tooth(ruling, &found.model.effects, error) || found.over_noise() > ROUGH {
         return Vec::new();
     }
     // Where the simulated motion contradicts the names, the forces have decided on nothing. The names stay a start.
@@ -178,21 +177,6 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let open = |kind: Kind| ruling.supports(kind) || !shaken && (named(kind) || !tells(kind));
     let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || corroboration::speaks_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
-}
-
-/// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. A
-/// simulated rotor then comes to rest in another tooth than the measured one, so its error tells nothing more.
-fn off_by_a_tooth(ruling: &Ruling, found: &Discovery) -> bool {
-    let ripples = ruling.findings.iter().map(|finding| finding.effect.kind);
-    if ruling.findings.is_empty() || !ripples.into_iter().all(Kind::periodic_in_position) {
-        return false;
-    }
-    let wave_numbers = found.model.effects.iter().flat_map(|effect| {
-        let parameters = effect.kind.definition().parameters.iter().zip(effect.p);
-        parameters.filter(|(parameter, _)| parameter.role == Role::WaveNumber).map(|(_, value)| value)
-    });
-    let error = found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
-    error * wave_numbers.fold(0.0, f64::max) > FRAC_PI_2
 }
 
 /// Recordings, starting model and base fit of a discovery over segments of one length.

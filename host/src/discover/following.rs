@@ -1,6 +1,9 @@
 //! Whether the simulated motion follows the measured one better with other names.
 
-use breakaway_core::plant::Kind;
+use std::f64::consts::FRAC_PI_2;
+
+use breakaway_core::plant::effect::Role;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::data::Data;
 use super::decide::{NAMING, paired};
@@ -60,6 +63,21 @@ pub(super) fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     (!others.is_empty() && !better).then(|| {
         format!("the measured forces speak for {}, and the simulated motion does not: not named", others.join(" and "))
     })
+}
+
+/// Whether all names repeat over position, and the simulated motion, with these effects and this held-out error, is off by
+/// a quarter of their shortest wave. A simulated rotor then comes to rest in another tooth than the measured one, so its
+/// error tells nothing more.
+pub(super) fn off_by_a_tooth(ruling: &Ruling, effects: &[Effect<f64>], error: f64) -> bool {
+    let ripples = ruling.findings.iter().map(|finding| finding.effect.kind);
+    if ruling.findings.is_empty() || !ripples.into_iter().all(Kind::periodic_in_position) {
+        return false;
+    }
+    let wave_numbers = effects.iter().flat_map(|effect| {
+        let parameters = effect.kind.definition().parameters.iter().zip(effect.p);
+        parameters.filter(|(parameter, _)| parameter.role == Role::WaveNumber).map(|(_, value)| value)
+    });
+    error * wave_numbers.fold(0.0, f64::max) > FRAC_PI_2
 }
 
 /// Share of the held-out simulation error below which names must bring it, over segments or in open loop.

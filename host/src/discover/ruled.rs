@@ -1,8 +1,10 @@
 //! The judge's ruling on the recordings of a discovery: by the sensor's clock, from one zero, beside known effects.
 
+use std::ops::RangeInclusive;
+
 use super::engine::Request;
 use super::judge::reading_age::reading_age_s;
-use super::judge::ruling::{Ruling, rule_from};
+use super::judge::ruling::{ALL_WIDTHS, Ruling, rule_within};
 use super::judge::settings::Settings;
 use super::judge::zeros;
 use super::known::without_effects;
@@ -32,10 +34,10 @@ pub struct Ruled {
 pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
     let (mut request, age_s) = on_the_sensors_clock(request, settings);
     let known = request.model.clone();
-    let rule = |recordings: &[Recording], half_width_s: f64| {
-        rule_beside(recordings, known.as_ref(), half_width_s, units, settings)
+    let rule = |recordings: &[Recording], half_widths_s: RangeInclusive<f64>| {
+        rule_beside(recordings, known.as_ref(), half_widths_s, units, settings)
     };
-    let mut ruling = rule(&request.recordings, 0.0);
+    let mut ruling = rule(&request.recordings, ALL_WIDTHS);
     let mut rezeroed = false;
     // A second law of the position may tell the zeros better than the first did.
     for _ in 0..REZEROED {
@@ -45,11 +47,11 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
         let moved = request.recordings.iter_mut().chain(&mut request.holdout).zip(shifts);
         moved.for_each(|(recording, shift)| recording.x.iter_mut().for_each(|x| *x += shift));
         rezeroed = true;
-        // Narrower windows named nothing before, or were less evident.
-        ruling = rule(&request.recordings, own.half_width_s);
+        // The other windows named nothing before, or were less evident.
+        ruling = rule(&request.recordings, own.half_width_s..=own.half_width_s);
     }
     if ruling.as_ref().is_none_or(|ruling| ruling.findings.is_empty()) {
-        ruling = replicated(&request.recordings, |own| rule(own, 0.0)).or(ruling);
+        ruling = replicated(&request.recordings, |own| rule(own, ALL_WIDTHS)).or(ruling);
     }
     Ruled { request, ruling, age_s, rezeroed }
 }
@@ -60,22 +62,23 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
 /// recordings give the names, nothing is said of the others.
 pub(super) fn leaves_nothing_predictable(request: &Request, model: &Candidate, ruling: &Ruling, units: &Units) -> bool {
     let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
-    let again = || rule_beside(&request.recordings, Some(model), ruling.half_width_s, units, &Settings::default());
+    let wider = ruling.half_width_s..=f64::INFINITY;
+    let again = || rule_beside(&request.recordings, Some(model), wider, units, &Settings::default());
     let nothing = |again: Ruling| {
         again.findings.is_empty() && again.remainder.predictable.is_none() && again.tells_nothing_is_missing()
     };
     !bodies && ruling.of_recordings.is_none() && again().is_some_and(nothing)
 }
 
-/// The ruling on what the effects of `known` leave, in windows of at least this half-width, s.
+/// The ruling on what the effects of `known` leave, in windows of these half-widths, s.
 fn rule_beside(
     recordings: &[Recording],
     known: Option<&Candidate>,
-    half_width_s: f64,
+    half_widths_s: RangeInclusive<f64>,
     units: &Units,
     settings: &Settings,
 ) -> Option<Ruling> {
-    let rule = |recordings: &[Recording]| rule_from(recordings, radians(units), half_width_s, settings);
+    let rule = |recordings: &[Recording]| rule_within(recordings, radians(units), half_widths_s.clone(), settings);
     let Some(known) = known else { return rule(recordings) };
     rule(&without_effects(recordings, known)).map(|ruling| ruling.beside(&known.effects))
 }

@@ -54,6 +54,9 @@ impl Evidence {
     }
 }
 
+/// Standard errors of ρ² by which a force of the motion alone may lower it. A term that holds the drive may not: it could
+/// explain the acceleration by its own noise.
+const COHERENCE_ERRORS: f64 = 2.0;
 /// Largest difference of the two sides' gains of a second body, as a share of the larger.
 const BODY_GAINS: f64 = 0.7;
 
@@ -134,7 +137,9 @@ fn rejection(
         return Some(Rejection::Amplitude);
     }
     let coherence = evidence.coherence;
-    let fell = coherence < before.coherence().min(0.99) - 1e-3;
+    let holds_drive = term.holds_drive || term.drive.is_some();
+    let error = if holds_drive { 0.0 } else { COHERENCE_ERRORS * after.coherence_error() };
+    let fell = coherence + error < before.coherence().min(0.99) - 1e-3;
     if fell || coherence < settings.coherence && term.holds_drive {
         return Some(Rejection::Coherence);
     }

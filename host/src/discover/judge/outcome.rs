@@ -104,7 +104,11 @@ pub(super) fn tied<'a>(
     let resembles = |t: &Tried| {
         let mut pairs = own.names().into_iter().zip(t.names());
         pairs.all(|pair| match pair {
-            (Name::Effect(one), Name::Effect(other)) => one == other || one.resembles(other) || before.contains(&other),
+            (Name::Effect(one), Name::Effect(other)) => {
+                // The forces tell no bristle from another, whatever bends less than the sensor's noise.
+                let bristles = one.bristles() && other.bristles();
+                one == other || one.resembles(other) || bristles || before.contains(&other)
+            }
             _ => false,
         })
     };

@@ -1,5 +1,7 @@
 //! The judge's ruling over windows of several widths.
 
+use std::ops::RangeInclusive;
+
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::bar::best_decoy;
@@ -73,6 +75,9 @@ const SHAKEN: f64 = 5.0;
 /// it by chance on one side in one ruling of thirty.
 const SUPPORT: f64 = 3.0;
 
+/// Share of the largest gain from which an effect gains much.
+const MUCH: f64 = 0.5;
+
 impl Ruling {
     /// Whether the inertia of the force fit means something.
     pub fn tells_inertia(&self) -> bool {
@@ -96,9 +101,15 @@ impl Ruling {
     pub fn tells_what_is_left(&self) -> bool {
         self.tells_inertia() && self.remainder.over_noise > SHAKEN
     }
-    /// Whether the forces that are left speak for an effect, be it too little for a name.
+    /// Whether the forces that are left speak for an effect, be it too little for a name. Short recordings hold few blocks,
+    /// so that an effect may gain much and have a small z. It is supported too, if nothing is named that it may hide.
     pub fn supports(&self, kind: Kind) -> bool {
-        let supported = |own: &Candidacy| own.kind == kind && own.gain > 0.0 && own.z >= SUPPORT;
+        let possible = |own: &&Candidacy| matches!(own.rejection, None | Some(Rejection::Gain));
+        let most = self.left.iter().filter(possible).map(|own| own.gain).fold(0.0, f64::max);
+        let undecided = |own: &Candidacy| {
+            self.findings.is_empty() && possible(&own) && own.gain >= Settings::default().gain[0].max(MUCH * most)
+        };
+        let supported = |own: &Candidacy| own.kind == kind && (own.gain > 0.0 && own.z >= SUPPORT || undecided(own));
         self.seen.iter().any(|seen| seen.effect.kind == kind) || self.left.iter().any(supported)
     }
     /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
@@ -142,20 +153,22 @@ const WIDTHS: [f64; 4] = [1.0, 1.3, 2.0, WIDE];
 
 /// Rules over `recordings`, whose position unit has so many radians; `None` where they hold too little motion.
 pub fn rule(recordings: &[Recording], radians: Option<f64>, settings: &Settings) -> Option<Ruling> {
-    rule_from(recordings, radians, 0.0, settings)
+    rule_within(recordings, radians, ALL_WIDTHS, settings)
 }
 
-/// The same in windows of at least this half-width, s. It is that of an earlier ruling on the same motion, counted from
-/// other zeros.
-pub fn rule_from(
+/// Every half-width, s.
+pub const ALL_WIDTHS: RangeInclusive<f64> = 0.0..=f64::INFINITY;
+
+/// The same in windows of these half-widths alone, s. An earlier ruling on the same motion tells them.
+pub fn rule_within(
     recordings: &[Recording],
     radians: Option<f64>,
-    least_half_width_s: f64,
+    half_widths_s: RangeInclusive<f64>,
     settings: &Settings,
 ) -> Option<Ruling> {
     let dataset = Dataset::new(recordings, settings);
     let narrowest = narrowest(&dataset, settings)?;
-    let forms = widths(narrowest, settings).into_iter().filter(|width| *width >= least_half_width_s);
+    let forms = widths(narrowest, settings).into_iter().filter(|width| half_widths_s.contains(width));
     let forms = forms.filter_map(|width| {
         let mut form = WeakForm::new(&dataset, width, settings)?;
         form.radians = radians;
@@ -309,6 +322,23 @@ mod tests {
         };
         let supported = [Kind::Cogging, Kind::Delay, Kind::Spring].map(|kind| ruling.supports(kind));
         assert_eq!(supported, [true, true, false]);
+    }
+
+    /// Few blocks give a small z. An effect that gains as much as any other is then supported, unless something is named or
+    /// the effect cannot be.
+    #[test]
+    fn the_forces_speak_for_what_gains_much() {
+        let own = |kind, gain, rejection| Candidacy { kind, gain, z: 1.6, rejection: Some(rejection) };
+        let left = vec![
+            own(Kind::Spring, 0.27, Rejection::Gain),
+            own(Kind::Delay, 0.1, Rejection::Gain),
+            own(Kind::Cogging, 0.5, Rejection::Amplitude),
+        ];
+        let nothing = Ruling { left, ..Ruling::naming(&[], [0.3, 600.0]) };
+        let supported = |own: &Ruling| [Kind::Spring, Kind::Delay, Kind::Cogging].map(|kind| own.supports(kind));
+        assert_eq!(supported(&nothing), [true, false, false]);
+        let named = Ruling { findings: vec![Finding::of(Kind::ConstantLoad)], ..nothing };
+        assert_eq!(supported(&named), [false; 3]);
     }
 
     /// A small finding is seen with its share. The others stay, and so does what was seen.

@@ -21,6 +21,8 @@ pub struct Model {
 pub struct Side {
     /// Inertia b, drive units · s² / position unit.
     pub b: f64,
+    /// Standard error of b, as a share of it.
+    pub b_error: f64,
     /// Viscous coefficient c.
     pub c: f64,
     /// Coulomb friction f1, or the first amplitude of the term that replaces it, drive units.
@@ -52,6 +54,10 @@ impl Fitted {
     /// ρ² = b_U/b_A: the share of the acceleration that the drive determines.
     pub fn coherence(&self) -> f64 {
         self.u.b / self.a.b
+    }
+    /// Standard error of ρ², as if the errors of both sides were independent.
+    pub fn coherence_error(&self) -> f64 {
+        self.coherence().abs() * self.u.b_error.hypot(self.a.b_error)
     }
 }
 
@@ -217,6 +223,7 @@ impl Model {
             replacing.map_or_else(|| factor * fit.coefficients[2], |j| amplitudes[j].first().copied().unwrap_or(0.0));
         Side {
             b,
+            b_error: (fit.standard_errors[0] / fit.coefficients[0]).abs(),
             c: factor * fit.coefficients[1],
             f1,
             base_errors: [1, 2.min(fit.standard_errors.len() - 1)].map(|i| factor.abs() * fit.standard_errors[i]),

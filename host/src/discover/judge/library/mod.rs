@@ -56,6 +56,8 @@ pub struct Library<'a> {
     travel: f64,
     largest_drive: f64,
     viscous: f64,
+    /// Inertia of side U.
+    inertia: f64,
 }
 
 impl<'a> Library<'a> {
@@ -75,6 +77,7 @@ impl<'a> Library<'a> {
             travel: form.travel(),
             largest_drive: percentile(pieces.iter().flat_map(|p| &p.u).map(|u| u.abs()).collect(), 0.98),
             viscous: fitted.u.c.max(0.0),
+            inertia: fitted.u.b,
         }
     }
 

@@ -106,7 +106,8 @@ impl Library<'_> {
         }
         if let Some(radians) = self.radians {
             let ripple = || self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave);
-            terms.extend(once(&form.made.eccentricity, ripple));
+            let of_the_reading = once(&form.made.eccentricity, ripple);
+            terms.extend(of_the_reading.into_iter().map(|term| self.by_the_drive(radians, term)));
         }
         let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
         for k in lines.into_iter().filter(seen) {
@@ -119,6 +120,24 @@ impl Library<'_> {
             terms.extend(friction);
         }
         terms
+    }
+
+    /// The waves of an eccentric encoder, with columns of their own for side A. There the second derivative of sin kx is
+    /// k·cos kx·a − k²·sin kx·v², with the acceleration a that the drive gives. The measured acceleration would explain
+    /// itself, where the axis turns so little that cos kx is nearly constant.
+    fn by_the_drive(&self, k: f64, term: Term) -> Term {
+        let second_derivative = |shift: f64| {
+            self.field(|s| {
+                let (sin, cos) = (k * s.x + shift).sin_cos();
+                let unexplained = self.arrived[s.piece][s.k] - self.predicted[s.piece][s.k];
+                let a = s.a + unexplained / self.inertia;
+                (k * cos * a - (k * s.v).powi(2) * sin) * audible(k * s.v * s.h_s)
+            })
+        };
+        let both = [second_derivative(0.0), second_derivative(std::f64::consts::FRAC_PI_2)];
+        let each = if term.own_zeros { self.of_each_recording(&both) } else { None };
+        let a = each.unwrap_or_else(|| both.to_vec()).into_iter().map(Column::force).collect();
+        Term { a, ..term }
     }
 
     /// A decoy beside a friction over position of wave number `k`: a gain of the drive with that wave.
@@ -201,5 +220,19 @@ mod tests {
         assert_eq!(names, [(Kind::PositionFriction, true)]);
         let [share, waves, ..] = ruling.findings[0].effect.p;
         assert!((share - 0.5).abs() < 0.05 && (waves - WAVES).abs() < 0.1, "{share} {waves}");
+    }
+
+    /// The axis turns by a radian either way before an encoder that is .15 rad off its middle. cos x is then nearly
+    /// constant, so that a column of the measured acceleration would explain itself on side A.
+    #[test]
+    fn an_eccentric_encoder_is_named_by_a_part_of_a_turn() {
+        let eccentric = |x: f64| x + 0.15 * (x + 0.4).sin();
+        let mut recording = axis([0.0; 2], 0.7, 0.0);
+        recording.x.iter_mut().for_each(|x| *x = eccentric(*x));
+        let ruling = rule(&[recording], Some(1.0), &Settings::default()).unwrap();
+        let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert_eq!(names, [Kind::EncoderEccentricity]);
+        let [amplitude, phase, ..] = ruling.findings[0].effect.p;
+        assert!((amplitude - 0.15).abs() < 0.03 && (phase - 0.4).abs() < 0.2, "{amplitude} {phase}");
     }
 }
