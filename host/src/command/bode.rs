@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::figures::FiguresArgs;
+use super::figures::{FiguresArgs, kind_of, write_one};
 use super::output::Output;
 use super::recording_args::{RecordingArgs, positive};
-use crate::file::{FileKind, Target};
+use crate::file::Target;
 use crate::recording::Units;
 use crate::report::json::Quantity;
 use crate::report::remark::RemarkJson;
@@ -34,7 +34,7 @@ pub struct Args {
     /// Length of a segment [default: as long as there are 16 of them]
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     pub segment: Option<f64>,
-    /// Draw gain, phase and coherence; `-` is standard output
+    /// Draw gain, phase and coherence, as SVG, or as what the name ends in: `.png`, `.csv`; `-` is standard output
     #[arg(long, value_name = "F.svg")]
     pub figure: Option<Target>,
     /// Figures.
@@ -121,15 +121,19 @@ impl Args {
     /// Recordings that cannot be used, or in which the position does not follow the drive.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         let inputs: Vec<_> = self.recordings.iter().map(PathBuf::as_path).collect();
-        let targets: Vec<_> = self.figure.iter().map(|target| (target, FileKind::Figure)).collect();
+        let targets: Vec<_> = self.figure.iter().map(|target| (target, kind_of(target))).collect();
         let output = output.claim(&targets, &inputs)?;
         self.figures.claim(output, &inputs)?;
         let session = self.columns.read_session(&self.recordings)?;
         let units = &session.recordings[0].units;
         let found = FrequencyResponse::of(&session.recordings, self.segment)?;
-        let figure = || response::figure(&found, units, &session.recordings[0].name);
+        let name = match session.recordings.as_slice() {
+            [one] => one.name.clone(),
+            all => format!("{} recordings", all.len()),
+        };
+        let figure = || response::figure(&found, units, &name);
         if let Some(target) = &self.figure {
-            target.write_text(&figure().file())?;
+            write_one(target, &figure())?;
         }
         self.figures.write(output, &inputs, || vec![figure()])?;
         output

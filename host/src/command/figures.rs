@@ -70,6 +70,32 @@ impl FiguresArgs {
     }
 }
 
+/// What `--figure` writes to a file: a picture where its name ends in `.png`, the numbers where it ends in `.csv`, else the
+/// drawing.
+#[cfg(feature = "command")]
+pub fn kind_of(target: &Target) -> FileKind {
+    let Target::File(path) = target else { return FileKind::Figure };
+    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("png") => FileKind::Picture,
+        Some("csv") => FileKind::FigureTable,
+        _ => FileKind::Figure,
+    }
+}
+
+/// Writes the one figure of `--figure`, as [`kind_of`] says.
+///
+/// # Errors
+/// A figure that cannot be drawn as a picture, and what the file system reports.
+#[cfg(feature = "command")]
+pub fn write_one(target: &Target, figure: &Figure) -> anyhow::Result<()> {
+    let bytes = match kind_of(target) {
+        FileKind::Picture => figure.png()?,
+        FileKind::FigureTable => figure.csv().into_bytes(),
+        _ => figure.file().into_bytes(),
+    };
+    Ok(target.write(|out| out.write_all(&bytes))?)
+}
+
 /// A title as a part of a file's name: small ASCII letters, digits, and `-` for what is between them; 48 letters at most.
 fn slug(title: &str) -> String {
     let plain: String =

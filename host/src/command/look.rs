@@ -6,12 +6,15 @@ use serde::Serialize;
 
 #[cfg(feature = "command")]
 use super::UsageError;
+use super::figures::FiguresArgs;
+#[cfg(feature = "command")]
+use super::figures::{kind_of, write_one};
 #[cfg(feature = "command")]
 use super::output::Output;
 use super::recording_args::RecordingArgs;
 use crate::file::Target;
 #[cfg(feature = "command")]
-use crate::file::{FileKind, shown};
+use crate::file::shown;
 #[cfg(feature = "command")]
 use crate::look::look;
 use crate::look::{Fault, Guess, Look, Summary};
@@ -24,6 +27,7 @@ use crate::report::look as report;
   breakaway look robot.mcap
   breakaway look session/*.csv --json
   breakaway look bench.npz --position theta --figure bench.svg
+  breakaway look session/*.csv --figures figures
 
 Formats: CSV, MCAP, WPILOG, ULog, npz and npy, MAT, HDF5, Parquet, bags of ROS 2, CAN logs; each packed by gzip or not. The first bytes of a
 file tell its format. What a flag names is not guessed. The exit code is 0 also where faults are found.
@@ -34,9 +38,12 @@ pub struct Args {
     /// Logs of any format
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Draw drive and position of one file; `-` is standard output
+    /// Draw drive and position of one file, as SVG, or as what the name ends in: `.png`, `.csv`; `-` is standard output
     #[arg(long, value_name = "F.svg")]
     pub figure: Option<Target>,
+    /// Figures.
+    #[command(flatten)]
+    pub figures: FiguresArgs,
     /// Columns and rows.
     #[command(flatten)]
     pub columns: RecordingArgs,
@@ -123,11 +130,12 @@ impl Args {
     /// A file that cannot be read as a log at all, or a figure that cannot be written.
     pub fn run(self, output: Output) -> anyhow::Result<()> {
         let inputs: Vec<_> = self.files.iter().map(PathBuf::as_path).collect();
-        let targets: Vec<_> = self.figure.iter().map(|target| (target, FileKind::Figure)).collect();
+        let targets: Vec<_> = self.figure.iter().map(|target| (target, kind_of(target))).collect();
         let output = output.claim(&targets, &inputs)?;
         if self.figure.is_some() && self.files.len() > 1 {
-            return Err(UsageError("--figure draws one file; give one".to_owned()).into());
+            return Err(UsageError("--figure draws one file; give one, or --figures DIR".to_owned()).into());
         }
+        self.figures.claim(output, &inputs)?;
         let mut looks = Vec::new();
         for path in &self.files {
             looks.push(look(path, &shown(path), &self.columns.options())?);
@@ -137,8 +145,11 @@ impl Args {
                 let why = look.faults.first().map_or("", |fault| fault.text.as_str());
                 return Err(anyhow::anyhow!("{}: there is nothing to draw: {why}", look.file));
             };
-            target.write_text(&report::figure(look, recording).file())?;
+            write_one(target, &report::figure(look, recording))?;
         }
+        // A file without a drive or a position has nothing to draw, and its faults say so.
+        let drawn = |look: &Look| look.recording.as_ref().map(|recording| report::figure(look, recording));
+        self.figures.write(output, &inputs, || looks.iter().filter_map(drawn).collect())?;
         output.print(&Document::new(&looks), |_| looks.iter().map(report::page).collect::<Vec<_>>().join("\n"))
     }
 }

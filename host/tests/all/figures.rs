@@ -30,6 +30,8 @@ fn commands_write_every_figure_as_svg_png_and_csv() {
     recording(place);
     // What the table's first column and some other column are.
     for (line, figures, columns) in [
+        ("look rec.csv", 1, ["time (s)", "drive (V)"]),
+        ("bode rec.csv", 1, ["frequency (Hz)", "coherence"]),
         ("sinefit rec.csv", 1, ["time (s)", "x: fitted sine (rad)"]),
         ("identify rec.csv", 1, ["time (s)", "position: simulated (rad)"]),
         ("track --model model.toml --reference sine:1,1 --duration 2", 2, ["time (s)", "drive: PID alone (V)"]),
@@ -61,8 +63,28 @@ fn commands_write_every_figure_as_svg_png_and_csv() {
             let header = |table: &String| table.lines().nth(1).unwrap().split(',').any(|name| name == column);
             assert!(tables.iter().any(header), "{line}: {column} in {:?}", tables[0].lines().nth(1));
         }
-        assert!(tables.iter().all(|table| table.lines().count() > 100), "{line}");
+        assert!(tables.iter().all(|table| table.lines().count() > 80), "{line}");
     }
+}
+
+/// `--figure` writes what the name of its file ends in, over its own kind alone.
+#[test]
+fn one_figure_is_what_its_name_ends_in() {
+    let place = tempfile::tempdir().unwrap();
+    let place = place.path();
+    recording(place);
+    for command in ["look", "bode"] {
+        for (file, begins) in [("f.png", &b"\x89PNG"[..]), ("f.svg", b"<svg "), ("f.CSV", b"# figure by breakaway")] {
+            for again in ["first", "over its own"] {
+                let run = breakaway(place, &[command, "rec.csv", "--figure", file]);
+                assert!(run.status.success(), "{command} {file}, {again}: {}", text(&run.stderr));
+            }
+            assert!(fs::read(place.join(file)).unwrap().starts_with(begins), "{command} {file}");
+        }
+    }
+    fs::write(place.join("mine.png"), "mine").unwrap();
+    assert_eq!(breakaway(place, &["look", "rec.csv", "--figure", "mine.png"]).status.code(), Some(1));
+    assert_eq!(fs::read(place.join("mine.png")).unwrap(), b"mine");
 }
 
 /// A file of somebody else with a figure's name is seen before the work, and stays.

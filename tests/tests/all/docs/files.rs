@@ -49,12 +49,12 @@ impl Files {
             CliCommand::Look(a) => {
                 files.reads.clone_from(&a.files);
                 files.reads.extend(a.columns.dbc.clone());
-                files.writes = target(&a.figure);
+                files.writes = [target(&a.figure), some(&a.figures.figures)].concat();
             }
             CliCommand::Bode(a) => {
                 files.reads.clone_from(&a.recordings);
                 files.reads.extend(a.columns.dbc.clone());
-                files.writes = target(&a.figure);
+                files.writes = [target(&a.figure), some(&a.figures.figures)].concat();
             }
             CliCommand::Sinefit(a) => {
                 files.reads.push(a.recording.clone());
