@@ -4,6 +4,7 @@
 //! 0.9.3 was tried: told to use no network, it had written nothing after ten minutes.
 
 mod font;
+mod musl;
 mod package;
 mod texts;
 
@@ -82,13 +83,18 @@ pub fn write(product: Product) -> Result<PathBuf> {
 /// A package has no licence text, or bundles code whose licence is not known here; with its name.
 pub fn of(product: Product) -> Result<String> {
     let mut texts = Texts::default();
-    for package in shipped(product)? {
+    let packages = shipped(product)?;
+    for package in &packages {
         for text in package.texts()? {
             texts.add(&package.title(), &text);
         }
         for (title, text) in package.bundled()? {
             texts.add(&title, &text);
         }
+    }
+    if let Product::Command = product {
+        let libm = packages.iter().find(|package| package.is_called("libm")).context("libm is no longer among them")?;
+        texts.add(musl::TITLE, &musl::notice(&libm.texts()?.join("\n"))?);
     }
     texts.add("the Rust standard library (MIT OR Apache-2.0)", &standard_library()?);
     Ok(texts.to_string())
@@ -141,13 +147,16 @@ mod tests {
             "serialport 4",
             "Mozilla Public License",
             "the Rust standard library",
+            "the C library musl",
+            "Copyright © 2005-2020 Rich Felker, et al.\n\nPermission is hereby granted",
+            "Sun Microsystems",
         ];
         for words in asked {
             assert!(command.contains(words), "{words}");
         }
         assert!(!command.contains("breakaway-core") && !command.contains("GNU GENERAL PUBLIC LICENSE"));
         let python = of(Product::Python).unwrap();
-        assert!(python.contains("numpy 0") && python.contains("pyo3 0"));
+        assert!(python.contains("numpy 0") && python.contains("pyo3 0") && !python.contains(musl::TITLE));
         let page = of(Product::Page).unwrap();
         assert!(page.contains("wasm-bindgen 0") && page.contains("nalgebra 0") && !page.contains("zstd-sys"));
     }

@@ -44,6 +44,11 @@ impl Package {
         (self.name.clone(), self.version.clone())
     }
 
+    /// Whether it has this name.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name
+    }
+
     /// One of the workspace.
     pub fn is_ours(&self) -> bool {
         self.manifest_path.starts_with(root())
@@ -122,13 +127,15 @@ impl Package {
             None => bail!("{}: it has no licence text, no authors and no repository", self.title()),
         };
         ensure!(offers("MIT"), "{}: it has no licence text, and is neither MIT nor Apache-2.0", self.title());
-        let ours = text(&root().join("LICENSE-MIT"))?;
-        let lines = ours.lines().map(|line| match line.strip_prefix("Copyright") {
-            Some(_) => format!("Copyright (c) {holder}"),
-            None => line.to_owned(),
-        });
-        Ok(lines.collect::<Vec<_>>().join("\n"))
+        mit(&format!("Copyright (c) {holder}"))
     }
+}
+
+/// The text of the MIT licence, with that line as the copyright.
+pub fn mit(copyright: &str) -> Result<String> {
+    let ours = text(&root().join("LICENSE-MIT"))?;
+    let lines = ours.lines().map(|line| if line.starts_with("Copyright") { copyright } else { line });
+    Ok(lines.collect::<Vec<_>>().join("\n"))
 }
 
 /// A text, whatever bytes are in it.
