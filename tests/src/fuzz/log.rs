@@ -1,13 +1,26 @@
-//! Logs in every format: an error, or channels that keep their promises, and what `look` makes of them.
+//! Logs in every format: an error, or channels that keep their promises, and what `look` makes of them. Frames of CAN come
+//! with their description.
 
 use breakaway::file::FileError;
 use breakaway::look::look_at;
 use breakaway::recording::formats::Log;
 use breakaway::recording::{ReadOptions, Recording, RecordingError};
 
-/// Reads the bytes as a log, guesses, and reads each pair of its first channels as a recording.
+/// Reads the bytes as a log.
 pub fn run(bytes: &[u8]) -> bool {
-    let log = match Log::read_from("fuzz.log", bytes) {
+    keeps_its_promises(Log::read_from("fuzz.log", bytes))
+}
+
+/// Reads the bytes up to the first zero as a description, and those behind it as frames of CAN.
+pub fn can(bytes: &[u8]) -> bool {
+    let mut parts = bytes.splitn(2, |byte| *byte == 0);
+    let (description, frames) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    keeps_its_promises(Log::read_frames("fuzz.log", frames, description))
+}
+
+/// Guesses, and reads each pair of the first channels as a recording; false where the log was refused.
+fn keeps_its_promises(read: Result<Log, RecordingError>) -> bool {
+    let log = match read {
         Ok(log) => log,
         Err(RecordingError::File(FileError::Write { .. })) => panic!("an error of writing from bytes in memory"),
         Err(error) => {

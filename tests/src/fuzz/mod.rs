@@ -39,9 +39,10 @@ impl Target {
 }
 
 /// Every input.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     Target { name: "recording", run: recording::run, most_bytes: 4096, copies: 20_000 },
     Target { name: "log", run: log::run, most_bytes: 32_768, copies: 10_000 },
+    Target { name: "can", run: log::can, most_bytes: 4096, copies: 10_000 },
     Target { name: "model", run: model::model, most_bytes: 2048, copies: 4_000 },
     Target { name: "controller", run: model::controller, most_bytes: 4096, copies: 4_000 },
     Target { name: "experiment", run: experiment::run, most_bytes: 1024, copies: 4_000 },

@@ -42,6 +42,11 @@ fn logs() {
 }
 
 #[test]
+fn frames_of_can() {
+    holds("can");
+}
+
+#[test]
 fn models() {
     holds("model");
 }

@@ -36,11 +36,20 @@ pub(in crate::recording) fn read(path: &Path) -> Result<Dbc, LogError> {
         return Err(refused(format!("it has {size} bytes, and {MAX_BYTES} are read at most")));
     }
     let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    parse(&shown(path), &bytes)
+}
+
+/// Reads a description from its bytes; `file` is its name in messages.
+///
+/// # Errors
+/// [`LogError::Description`].
+pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<Dbc, LogError> {
     // Units of older files are in Latin-1: their signs are lost, and nothing else.
-    let text = String::from_utf8_lossy(&bytes);
+    let text = String::from_utf8_lossy(bytes);
     let parsed = guarded(|| Dbc::try_from(text.as_ref()).map_err(|error| error.to_string()));
     parsed.unwrap_or_else(|| Err("it is damaged".to_owned())).map_err(|error| {
-        refused(error.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "))
+        let what = error.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+        LogError::Description { file: file.to_owned(), what }
     })
 }
 

@@ -193,6 +193,16 @@ impl Log {
         Self::read_with(file, input, None)
     }
 
+    /// Reads a CAN log from its bytes; `description` is what a DBC file says of its frames.
+    ///
+    /// # Errors
+    /// [`RecordingError`], with the file and what to do.
+    #[cfg(feature = "logs")]
+    pub fn read_frames(file: &str, frames: &[u8], description: &[u8]) -> Result<Self, RecordingError> {
+        let dbc = dbc::parse("the description", description)?;
+        Ok(can::read(frames, Some(&dbc)).map_err(|fault| fault.of(file, Format::Can))?)
+    }
+
     fn read_with(file: &str, input: impl Read, dbc: Option<&Path>) -> Result<Self, RecordingError> {
         let failed = |error: std::io::Error| FileError::reading(file, &error);
         let mut input = unpacked(input).map_err(failed)?;
