@@ -29,3 +29,4 @@ mod session_commands;
 mod slow_log;
 mod support;
 mod walk;
+mod walk_pages;

@@ -3,7 +3,7 @@
 #![cfg(unix)]
 
 #[path = "../../../tests/tests/all/docs/commands.rs"]
-mod commands;
+pub mod commands;
 
 use std::env;
 use std::fs;
@@ -13,19 +13,19 @@ use std::process::{Command, Output};
 use commands::{Program, lines, root, shown};
 
 /// Commands that need a board, or wait for Ctrl-C.
-const BOARD: [&str; 5] = ["--port", "virtual-board", "capture", "monitor", "device"];
+pub const BOARD: [&str; 5] = ["--port", "virtual-board", "capture", "monitor", "device"];
 /// Added to lines of the README: 250 samples per second instead of 1000, and the demo beside the rest.
 const SMALLER: [(&str, &str); 2] = [("run suite", "--tick 0.004"), ("demo", "-o demo")];
 
 /// A line of a shell, with `breakaway` first in its path.
-fn shell(folder: &Path, line: &str) -> Output {
+pub fn shell(folder: &Path, line: &str) -> Output {
     let own = Path::new(env!("CARGO_BIN_EXE_breakaway")).parent().unwrap();
     let path = format!("{}:{}", own.display(), env::var("PATH").unwrap_or_default());
     // The order of `*.csv` must not depend on the language.
     Command::new("sh").args(["-c", line]).current_dir(folder).env("PATH", path).env("LC_ALL", "C").output().unwrap()
 }
 
-fn done(folder: &Path, line: &str) {
+pub fn done(folder: &Path, line: &str) {
     let output = shell(folder, line);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout);

@@ -192,6 +192,27 @@ fn command_lines_parse_and_their_files_come_from_somewhere() {
     assert!(seen >= 30, "only {seen} command lines were found: is the way they are written still recognised?");
 }
 
+/// The examples of the help texts, of a command and of the commands below it.
+fn help_examples(command: &clap::Command, found: &mut Vec<Vec<String>>) {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    // Two blanks stand before an example, and four before a line of a page.
+    let text = help.replace("\n  ", "\n    ");
+    found.extend(lines(command.get_name(), &text).iter().map(commands::Line::words));
+    command.get_subcommands().for_each(|below| help_examples(below, found));
+}
+
+/// Every example of the help is a command line that the command takes.
+#[test]
+fn help_examples_parse() {
+    let mut examples = Vec::new();
+    help_examples(&<Cli as clap::CommandFactory>::command(), &mut examples);
+    assert!(examples.len() >= 30, "only {} examples were found", examples.len());
+    for words in examples {
+        let all = ["breakaway".to_owned()].into_iter().chain(words.clone());
+        Cli::try_parse_from(all).unwrap_or_else(|error| panic!("breakaway {}: {error}", words.join(" ")));
+    }
+}
+
 /// Links between the pages lead somewhere.
 #[test]
 fn links_lead_to_files() {
