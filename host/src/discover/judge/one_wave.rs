@@ -114,6 +114,7 @@ mod tests {
     fn side(amplitudes: &[f64], error: f64) -> Side {
         Side {
             b: 1.0,
+            b_error: 0.0,
             c: 0.0,
             f1: 0.0,
             base_errors: [0.0; 2],
