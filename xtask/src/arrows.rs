@@ -21,20 +21,18 @@ struct Order {
 }
 
 /// The walk of the data: what is applied, learnt, driven and sent; recording → model → discovery → device → report.
-const CRATES: [Order; 3] = [
+const CRATES: [Order; 4] = [
     Order { name: "core", rooms: &["fnv", "says", "scalar", "plant", "excite", "estimate", "control", "link"] },
     Order { name: "firmware", rooms: &["board", "storage", "app"] },
     Order {
-        name: "host",
+        name: "analysis",
         rooms: &[
             "interrupt",
             "nearest",
             "mistaken",
             "file",
             "recording",
-            "look",
             "model",
-            "export",
             "sine",
             "response",
             "simulate",
@@ -42,13 +40,9 @@ const CRATES: [Order; 3] = [
             "identify",
             "discover",
             "control",
-            "device",
-            "report",
-            "fleet",
-            "models",
-            "command",
         ],
     },
+    Order { name: "host", rooms: &["look", "export", "device", "report", "fleet", "models", "command"] },
 ];
 
 const PAGE: &str = "docs/architecture.md";
