@@ -65,8 +65,8 @@ pub(super) fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     })
 }
 
-/// Whether all names repeat over position, and the simulated motion, with these effects and this held-out error, is off by
-/// a quarter of their shortest wave. A simulated rotor then comes to rest in another tooth than the measured one, so its
+/// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. It has these
+/// effects and this held-out error. A simulated rotor then comes to rest in another tooth than the measured one, so its
 /// error tells nothing more.
 pub(super) fn off_by_a_tooth(ruling: &Ruling, effects: &[Effect<f64>], error: f64) -> bool {
     let ripples = ruling.findings.iter().map(|finding| finding.effect.kind);

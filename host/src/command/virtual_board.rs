@@ -19,7 +19,7 @@ use crate::model::Model;
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:
   breakaway virtual-board --plant plant.toml
-  breakaway run suite --port PORT -o session        (PORT as printed, in another terminal)
+  breakaway run suite --port PORT -o session   # in another terminal, with PORT as printed
 
 It runs until Ctrl-C. It needs the firmware's image and qemu-system-arm. `cargo xtask image` builds the image and fetches
 QEMU; BREAKAWAY_IMAGE and BREAKAWAY_QEMU name others. Without --plant it simulates the reference plant of docs/theory.md,
