@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn every_target_has_seeds() {
         let known = known().unwrap();
-        assert_eq!(known.len(), 8);
+        assert_eq!(known.len(), 9);
         for target in known {
             assert!(root().join("fuzz/corpus").join(&target).read_dir().unwrap().next().is_some(), "{target}");
         }
