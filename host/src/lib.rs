@@ -1,19 +1,26 @@
 //! The host side of Breakaway: recordings in, models out.
-//!
-//! What it computes is the crate `breakaway-analysis`, whose rooms are rooms of this library.
 #![forbid(unsafe_code)]
 
 pub mod command;
+pub mod control;
 #[cfg(feature = "command")]
 pub mod device;
+pub mod discover;
 pub mod export;
+pub mod file;
+pub mod fit;
 pub mod fleet;
-pub mod look;
-pub mod models;
-pub mod report;
-
-pub use breakaway_analysis::{
-    control, discover, file, fit, identify, mistaken, model, nearest, recording, simulate, sine,
-};
+pub mod identify;
 #[cfg(feature = "command")]
-pub use breakaway_analysis::{interrupt, response};
+pub mod interrupt;
+pub mod look;
+pub mod mistaken;
+pub mod model;
+pub mod models;
+pub mod nearest;
+pub mod recording;
+pub mod report;
+#[cfg(feature = "command")]
+pub mod response;
+pub mod simulate;
+pub mod sine;

@@ -21,18 +21,20 @@ struct Order {
 }
 
 /// The walk of the data: what is applied, learnt, driven and sent; recording → model → discovery → device → report.
-const CRATES: [Order; 4] = [
+const CRATES: [Order; 3] = [
     Order { name: "core", rooms: &["fnv", "says", "scalar", "plant", "excite", "estimate", "control", "link"] },
     Order { name: "firmware", rooms: &["board", "storage", "app"] },
     Order {
-        name: "analysis",
+        name: "host",
         rooms: &[
             "interrupt",
             "nearest",
             "mistaken",
             "file",
             "recording",
+            "look",
             "model",
+            "export",
             "sine",
             "response",
             "simulate",
@@ -40,9 +42,13 @@ const CRATES: [Order; 4] = [
             "identify",
             "discover",
             "control",
+            "device",
+            "report",
+            "fleet",
+            "models",
+            "command",
         ],
     },
-    Order { name: "host", rooms: &["look", "export", "device", "report", "fleet", "models", "command"] },
 ];
 
 const PAGE: &str = "docs/architecture.md";

@@ -20,19 +20,18 @@ const ADDED: [(&str, &str); 4] = [
     ("rand", "sys_rng"),
 ];
 
-/// Compares the features of the own dependencies of the command and its library, alone and in the build of the whole workspace.
+/// Compares the features of the command's own dependencies, alone and in the build of the whole workspace.
 ///
 /// # Errors
 /// What the workspace adds, by package.
 pub fn compare() -> Result<()> {
-    let own = ["--package", "breakaway", "--package", "breakaway-analysis"];
-    let alone = features(&[&own[..], &["--edges", "normal,build", "--depth", "1"]].concat())?;
+    let alone = features(&["--package", "breakaway", "--edges", "normal,build", "--depth", "1"])?;
     let united = features(&["--workspace", "--all-features"])?;
     let added = added(&alone, &united);
     ensure!(
         added.is_empty(),
         "the tests build the command's dependencies with features that it does not ask for: {}. Add them to \
-         host/Cargo.toml or analysis/Cargo.toml, or take them from what brings them (`cargo tree --workspace --all-features --edges features \
+         host/Cargo.toml, or take them from what brings them (`cargo tree --workspace --all-features --edges features \
          --invert <package>`)",
         added.join(", ")
     );

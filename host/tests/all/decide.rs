@@ -1,4 +1,4 @@
-//! The paired decision of `analysis/src/discover/decide.rs`, against numbers worked out by hand.
+//! The paired decision of `host/src/discover/decide.rs`, against numbers worked out by hand.
 
 use breakaway::discover::decide::{FURTHER, NAMING, Paired, Thresholds, paired};
 

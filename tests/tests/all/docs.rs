@@ -236,7 +236,6 @@ fn links_lead_to_files() {
 #[test]
 fn named_tests_and_examples_exist() {
     let folder = |package: &str| match package {
-        "breakaway-analysis" => "analysis",
         "breakaway-core" => "core",
         "breakaway-firmware" => "firmware",
         "breakaway-tests" => "tests",

@@ -3,12 +3,12 @@
 //! | row | test |
 //! |---|---|
 //! | 1–5 | `core/tests/all/sine.rs` |
-//! | 6 | `analysis/src/simulate/limit_cycle.rs` |
+//! | 6 | `host/src/simulate/limit_cycle.rs` |
 //! | 7, 8 | `tests/src/papers.rs` |
 //! | 9 | `core/src/estimate/describing_function/tests.rs` |
 //! | 10–12 | `core/tests/all/modulating.rs`; again here, on the host's simulated axis |
 //! | 13 | here |
-//! | 14 | `core/tests/all/relay.rs`, `analysis/src/simulate/limit_cycle.rs` |
+//! | 14 | `core/tests/all/relay.rs`, `host/src/simulate/limit_cycle.rs` |
 //! | 15–18 | here |
 //!
 //! These tests cross crates. They run the core's estimators on the host's axis, the core's stepped plant against the

@@ -20,9 +20,9 @@ const SINGLE: usize = 3;
 /// Samples in a row at the extreme that count as stuck there; a peak touches it once or twice.
 const STUCK: usize = 3;
 
-/// Something a user should know about a recording that can still be used. `look` gives a kind to each, so that a new one
-/// does not compile without.
+/// Something a user should know about a recording that can still be used.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Warning {
     /// The position stays within one encoder step: there is nothing to learn from this recording.
     NoMotion {

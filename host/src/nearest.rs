@@ -21,7 +21,7 @@ where
 }
 
 /// `"; did you mean `x`?"`, or nothing when nothing is near.
-pub fn did_you_mean(nearest: Option<&str>) -> String {
+pub(crate) fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 

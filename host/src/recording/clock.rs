@@ -60,7 +60,7 @@ impl TimeUnit {
     }
 
     /// `value` of this unit in s. Divisions, so that 3 ms are the number that is written 0.003.
-    pub fn seconds(self, value: f64) -> f64 {
+    pub(crate) fn seconds(self, value: f64) -> f64 {
         match self {
             Self::Hours => value * 3600.0,
             Self::Minutes => value * 60.0,
@@ -73,7 +73,7 @@ impl TimeUnit {
 
     /// The unit that a column's name ends in: in brackets, `t (us)`, `time [ms]`; after a separator, `t_ns`, `time-s`; or
     /// with a capital, `TimeMs`. A name that is a unit, `millis`, counts too.
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub(crate) fn of_name(name: &str) -> Option<Self> {
         let name = name.trim();
         let bracketed = |open, close| name.strip_suffix(close).and_then(|rest: &str| rest.rsplit_once(open));
         if let Some((_, unit)) = bracketed('(', ')').or_else(|| bracketed('[', ']')) {
