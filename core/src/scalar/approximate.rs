@@ -44,8 +44,12 @@ pub fn fast_atan2(y: f32, x: f32) -> f32 {
 
 /// e to the power of `x`.
 pub fn fast_exp(x: f32) -> f32 {
-    F32Ext::exp(x)
+    // micromath gives the numbers above an exponent of 128, which no f32 has.
+    if x >= LEAST_INFINITE { f32::INFINITY } else { F32Ext::exp(x) }
 }
+
+/// 128·ln 2, from which e^x is above every f32.
+const LEAST_INFINITE: f32 = 88.722_84;
 
 /// Natural logarithm; the most negative value for input ≤ 0, as [`Real::ln`](super::Real::ln).
 pub fn fast_ln(x: f32) -> f32 {
@@ -110,6 +114,15 @@ mod tests {
                 "{name}: measured {measured:e}, stated {stated:e} in {table:?}"
             );
         }
+    }
+
+    /// From 88 to 90, where e^x leaves f32. micromath panics from 128·ln 2 to 129·ln 2 in debug, and gives NaN in release.
+    #[test]
+    fn the_exponential_grows_into_infinity() {
+        let of = |k: u16| fast_exp(88.0 + f32::from(k) / 32_768.0);
+        assert!((0..=u16::MAX).all(|k| !of(k).is_nan()));
+        let first = (0..=u16::MAX).find(|k| of(*k).is_infinite()).unwrap();
+        assert!((23_000..24_500).contains(&first), "{first}");
     }
 
     proptest! {
