@@ -190,6 +190,9 @@ fn a_reset_during_a_run() {
     assert_eq!(bench.board.seen().unwrap().starts, 2);
 }
 
+/// Most times that a status is asked for among garbage.
+const REQUESTS: usize = 3;
+
 /// Garbage on the link, on the parser of the real image: counted, and the next command is answered.
 #[test]
 fn garbage_on_the_link() {
@@ -213,8 +216,9 @@ fn garbage_on_the_link() {
         bench.until("a status", |_| true);
     }
     port.write_all(&[0]).unwrap();
-    let status = bench.client.status().unwrap();
-    assert!(status.bad_frames > 0 && status.bad_frames as usize <= frames + 1, "{status:?} of {frames}");
+    // On a busy machine the injected bytes may still be on their way. A request that meets them is lost, and sent again.
+    let status = (0..REQUESTS).find_map(|_| bench.client.status().ok()).unwrap();
+    assert!(status.bad_frames > 0 && status.bad_frames as usize <= frames + REQUESTS, "{status:?} of {frames}");
     assert_eq!((status.mode, status.dropped), (Mode::Relay, 0));
     bench.done(Command::Stop);
     bench.until("the end", |bench| bench.ended().is_some());
