@@ -78,9 +78,24 @@ fn instead(finding: &Finding, effect: Effect<f64>) -> Finding {
     Finding { effect, errors: [f64::NAN; _], held: Vec::new(), tied, ..finding.clone() }
 }
 
-/// The finding with an effect tied.
+/// The finding with an effect tied, if the forces did not tie it.
 fn beside(finding: &Finding, kind: Kind) -> Finding {
     let mut finding = finding.clone();
-    finding.tied.push((kind, 0.0));
+    if !finding.tied.iter().any(|(tied, _)| *tied == kind) {
+        finding.tied.push((kind, 0.0));
+    }
     finding
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The forces tie LuGre's friction with Dahl's, and the motion may tie it again (hidden plant, unkind world, seed 8809).
+    #[test]
+    fn what_is_tied_twice_is_listed_once() {
+        let once = beside(&Finding::of(Kind::Dahl), Kind::LuGre);
+        let twice = beside(&once, Kind::LuGre);
+        assert_eq!(twice.tied.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(), [Kind::LuGre]);
+    }
 }
