@@ -16,6 +16,13 @@ pub struct FiguresArgs {
 
 /// How the name of every figure's file begins.
 const PREFIX: &str = "figure-";
+/// What a figure's file holds, by the ending of its name.
+const ENDINGS: &[(&str, FileKind)] = &[
+    ("svg", FileKind::Figure),
+    #[cfg(feature = "command")]
+    ("png", FileKind::Picture),
+    ("csv", FileKind::FigureTable),
+];
 
 impl FiguresArgs {
     /// Before any work: the folder is there or can be made, and what has a figure's name in it may be replaced. How many
@@ -30,13 +37,7 @@ impl FiguresArgs {
         for entry in std::fs::read_dir(folder)? {
             let path = entry?.path();
             let ours = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX));
-            let kind = match path.extension().and_then(|extension| extension.to_str()) {
-                Some("svg") => FileKind::Figure,
-                Some("png") => FileKind::Picture,
-                Some("csv") => FileKind::FigureTable,
-                _ => continue,
-            };
-            if ours {
+            if let Some(kind) = kind_by_ending(&path).filter(|_| ours) {
                 output.may_write(&path, kind, inputs)?;
             }
         }
@@ -53,12 +54,9 @@ impl FiguresArgs {
         let mut files = Vec::new();
         for (k, figure) in draw().iter().enumerate() {
             let name = format!("{PREFIX}{:02}-{}", k + 1, slug(&figure.title));
-            let mut file =
-                |extension, kind, bytes| files.push((folder.join(format!("{name}.{extension}")), kind, bytes));
-            file("svg", FileKind::Figure, figure.file().into_bytes());
-            #[cfg(feature = "command")]
-            file("png", FileKind::Picture, figure.png()?);
-            file("csv", FileKind::FigureTable, figure.csv().into_bytes());
+            for (ending, kind) in ENDINGS {
+                files.push((folder.join(format!("{name}.{ending}")), *kind, bytes(figure, *kind)?));
+            }
         }
         for (path, kind, _) in &files {
             output.may_write(path, *kind, inputs)?;
@@ -70,16 +68,27 @@ impl FiguresArgs {
     }
 }
 
-/// What `--figure` writes to a file: a picture where its name ends in `.png`, the numbers where it ends in `.csv`, else the
-/// drawing.
+/// What a file of this name holds; `None` where it is none of a figure's.
+fn kind_by_ending(path: &Path) -> Option<FileKind> {
+    let own = path.extension()?.to_str()?.to_ascii_lowercase();
+    ENDINGS.iter().find(|(ending, _)| *ending == own).map(|(_, kind)| *kind)
+}
+
+/// A figure as a file of this kind has it.
+fn bytes(figure: &Figure, kind: FileKind) -> anyhow::Result<Vec<u8>> {
+    Ok(match kind {
+        #[cfg(feature = "command")]
+        FileKind::Picture => figure.png()?,
+        FileKind::FigureTable => figure.csv().into_bytes(),
+        _ => figure.file().into_bytes(),
+    })
+}
+
+/// What `--figure` writes: what the name ends in, else the drawing.
 #[cfg(feature = "command")]
 pub fn kind_of(target: &Target) -> FileKind {
     let Target::File(path) = target else { return FileKind::Figure };
-    match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("png") => FileKind::Picture,
-        Some("csv") => FileKind::FigureTable,
-        _ => FileKind::Figure,
-    }
+    kind_by_ending(path).unwrap_or(FileKind::Figure)
 }
 
 /// Writes the one figure of `--figure`, as [`kind_of`] says.
@@ -88,11 +97,7 @@ pub fn kind_of(target: &Target) -> FileKind {
 /// A figure that cannot be drawn as a picture, and what the file system reports.
 #[cfg(feature = "command")]
 pub fn write_one(target: &Target, figure: &Figure) -> anyhow::Result<()> {
-    let bytes = match kind_of(target) {
-        FileKind::Picture => figure.png()?,
-        FileKind::FigureTable => figure.csv().into_bytes(),
-        _ => figure.file().into_bytes(),
-    };
+    let bytes = bytes(figure, kind_of(target))?;
     Ok(target.write(|out| out.write_all(&bytes))?)
 }
 

@@ -160,7 +160,7 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Op
     };
     let reason = if let Some(name) = lost(&by_motion.candidate, known, ruling) {
         format!("with those of the simulated motion nothing would be left of {name}")
-    } else if off_by_a_tooth(ruling, &by_motion.candidate.effects, rung(data, &by_motion).holdout_rmse) {
+    } else if off_by_a_tooth(ruling, &by_motion.candidate.effects, || rung(data, &by_motion).holdout_rmse) {
         "the simulated motion is off by a tooth".to_owned()
     } else if open_loop(data, &by_force) < open_loop(data, &by_motion) {
         "those of the simulated motion follow the open loop less well".to_owned()

@@ -61,8 +61,8 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
         || Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
 
-/// Whether the measured forces gave each of the `names` of the simulated motion too, and none of their names is left
-/// `before`. The search on the motion then found another fit with the same names. Two witnesses need no third.
+/// Whether the measured forces gave each of the `names` of the simulated motion too. Their own names must have been taken
+/// back, so that none is left `before`. Then the search found a better fit of the same names, and no third witness is needed.
 fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
     let of_forces = |kind: &Kind| ruling.findings.iter().any(|finding| finding.effect.kind == *kind);
     before.is_empty() && names.iter().all(of_forces)

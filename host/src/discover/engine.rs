@@ -164,7 +164,7 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 /// the forces speak for. Unless random torque explains what is left, bristles and what they named remain too. An effect
 /// against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
-    let error = found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
+    let error = || found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
     if off_by_a_tooth(ruling, &found.model.effects, error) || found.over_noise() > ROUGH {
         return Vec::new();
     }

@@ -65,10 +65,10 @@ pub(super) fn contradicted(ruling: &Ruling, ladder: &[Rung]) -> Option<String> {
     })
 }
 
-/// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. It has these
-/// effects and this held-out error. A simulated rotor then comes to rest in another tooth than the measured one, so its
-/// error tells nothing more.
-pub(super) fn off_by_a_tooth(ruling: &Ruling, effects: &[Effect<f64>], error: f64) -> bool {
+/// Whether all names repeat over position, and the simulated motion is off by a quarter of their shortest wave. A simulated
+/// rotor then comes to rest in another tooth than the measured one, so its error tells nothing more. The error is that of
+/// held-out segments with these effects, position units. It is asked for only where all names repeat.
+pub(super) fn off_by_a_tooth(ruling: &Ruling, effects: &[Effect<f64>], error: impl FnOnce() -> f64) -> bool {
     let ripples = ruling.findings.iter().map(|finding| finding.effect.kind);
     if ruling.findings.is_empty() || !ripples.into_iter().all(Kind::periodic_in_position) {
         return false;
@@ -77,7 +77,7 @@ pub(super) fn off_by_a_tooth(ruling: &Ruling, effects: &[Effect<f64>], error: f6
         let parameters = effect.kind.definition().parameters.iter().zip(effect.p);
         parameters.filter(|(parameter, _)| parameter.role == Role::WaveNumber).map(|(_, value)| value)
     });
-    error * wave_numbers.fold(0.0, f64::max) > FRAC_PI_2
+    error() * wave_numbers.fold(0.0, f64::max) > FRAC_PI_2
 }
 
 /// Share of the held-out simulation error below which names must bring it, over segments or in open loop.
@@ -85,7 +85,21 @@ const BETTER: f64 = 0.95;
 
 #[cfg(test)]
 mod tests {
-    use super::mostly_better;
+    use breakaway_core::plant::{Effect, Kind};
+
+    use super::super::judge::ruling::Ruling;
+    use super::{mostly_better, off_by_a_tooth};
+
+    /// A quarter of a wave is 2π/28 = .224 rad, where there are seven in a turn. Other effects tell the motion from its wave.
+    #[test]
+    fn a_rotor_is_off_by_a_quarter_of_its_wave() {
+        let off = |kinds: &[Kind], error: f64| {
+            let effects: Vec<Effect<f64>> = kinds.iter().map(|kind| Effect::new(*kind, &[1.0, 7.0, 0.0])).collect();
+            off_by_a_tooth(&Ruling::naming(kinds, [0.1, 50.0]), &effects, || error)
+        };
+        assert!(off(&[Kind::Cogging], 0.23) && !off(&[Kind::Cogging], 0.22));
+        assert!(!off(&[Kind::Cogging, Kind::Stribeck], 0.23) && !off(&[], 0.23));
+    }
 
     /// Mean squares that fall by a fifth on average. In four windows the mean is 2.0 times its error, which chance gives
     /// once in seven times with three degrees of freedom. In forty it is 7.3 times its error.

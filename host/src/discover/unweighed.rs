@@ -6,7 +6,7 @@ use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{Prepared, Request, prepared};
 use super::judge::finding::Finding;
-use super::judge::library::weighs;
+use super::judge::library::{tells_apart, weighs};
 use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::Discovery;
@@ -27,10 +27,9 @@ pub(super) fn compared(
     found: Discovery,
     progress: Watch<'_>,
 ) -> Discovery {
-    // Bristles bend by less than the sensor's noise, so that the forces tell no bristles from others.
     let unweighed = |finding: &Finding| {
         let mut kinds = confusable(finding.effect.kind, false);
-        kinds.retain(|kind| !weighs(*kind) || finding.effect.kind.bristles() && kind.bristles());
+        kinds.retain(|kind| !weighs(*kind) || !tells_apart(finding.effect.kind, *kind));
         kinds
     };
     // Names that the simulated motion contradicted are no longer in it.

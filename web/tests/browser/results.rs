@@ -125,9 +125,10 @@ fn a_real_recording_gives_the_commands_numbers() {
 #[test]
 #[ignore = "one core takes minutes; docs/browser.md has the numbers that it prints"]
 fn a_chaotic_recording_gives_the_commands_names() {
-    let mut page = needs!(Page::open());
     let data = needs!(measured_data());
     for file in ["current-sine-2hz.csv", "speed-control.csv"] {
+        // A page keeps the files that were chosen before.
+        let mut page = needs!(Page::open());
         let Both { page: found, command, differ } =
             discovered(&mut page, &data.join("laas-motor").join(file), ["t_s", "iq_A", "x_rad"]);
         println!("{file}: {} numbers differ\n{}", differ.len(), differ.join("\n"));

@@ -3,6 +3,7 @@
 use breakaway_core::plant::Kind;
 
 use super::evidence::Rejection;
+use super::library::tells_apart;
 use super::settings::Settings;
 use super::term::Name;
 use super::tried::Tried;
@@ -105,9 +106,7 @@ pub(super) fn tied<'a>(
         let mut pairs = own.names().into_iter().zip(t.names());
         pairs.all(|pair| match pair {
             (Name::Effect(one), Name::Effect(other)) => {
-                // The forces tell no bristle from another, whatever bends less than the sensor's noise.
-                let bristles = one.bristles() && other.bristles();
-                one == other || one.resembles(other) || bristles || before.contains(&other)
+                one == other || one.resembles(other) || !tells_apart(one, other) || before.contains(&other)
             }
             _ => false,
         })
@@ -148,5 +147,20 @@ mod tests {
         let [ripple_name, drift_name] = [Kind::PositionFriction, Kind::FrictionDrift].map(Name::Effect);
         assert_eq!(outcome(&[1.3, 0.8, 1.2, 0.8]), Outcome::Named(vec![drift_name], vec![ripple_name]));
         assert_eq!(outcome(&[1.1, 1.2, 1.1, 1.2]), Outcome::Named(vec![ripple_name], Vec::new()));
+    }
+
+    /// LuGre's friction has Dahl's as a special case, and does as well in these blocks. It is tied, because the forces do not
+    /// tell the two apart. Cogging, which has a spring as its limit, is not.
+    #[test]
+    fn bristles_that_do_as_well_are_tied() {
+        let outcome = |special: Kind, general: Kind| {
+            let own = holding(special, 2, 0.1, &[1.0, 1.1, 1.0, 1.1]);
+            decide(&[own, holding(general, 5, 0.101, &[1.1, 1.0, 1.1, 1.0])], 0.1, &Settings::default())
+        };
+        let named = |kind: Kind, tied: &[Kind]| {
+            Outcome::Named(vec![Name::Effect(kind)], tied.iter().copied().map(Name::Effect).collect())
+        };
+        assert_eq!(outcome(Kind::Dahl, Kind::LuGre), named(Kind::Dahl, &[Kind::LuGre]));
+        assert_eq!(outcome(Kind::Spring, Kind::Cogging), named(Kind::Spring, &[]));
     }
 }

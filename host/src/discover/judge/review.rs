@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::bar::Bar;
 use super::evidence::Rejection;
+use super::library::tells_apart;
 use super::outcome::tied;
 use super::search::{Bearing, Stage};
 use super::sides::Model;
@@ -36,8 +37,8 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
         let best = |a: &&Tried, b: &&Tried| a.gain.total_cmp(&b.gain);
         // A law fits no worse than its special cases. It is named only where it fits better.
         let special = holding().filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind))).max_by(best);
-        let particular = |rival: &&Tried| kind(rival).is_none_or(|kind| !kind.generalises(own));
-        let better = || holding().filter(particular).filter(|rival| rival.better_than(&tried) >= tie_z).max_by(best);
+        let told = |rival: &&Tried| kind(rival).is_some_and(|kind| tells_apart(own, kind));
+        let better = || holding().filter(told).filter(|rival| rival.better_than(&tried) >= tie_z).max_by(best);
         let named = special.or_else(better).unwrap_or(&tried);
         let others = as_well.iter().copied().chain([&tried]).filter(|other| kind(other) != kind(named));
         let others = others.filter_map(|other| Some((kind(other)?, named.better_than(other))));

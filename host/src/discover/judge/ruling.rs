@@ -75,9 +75,6 @@ const SHAKEN: f64 = 5.0;
 /// it by chance on one side in one ruling of thirty.
 const SUPPORT: f64 = 3.0;
 
-/// Share of the largest gain from which an effect gains much.
-const MUCH: f64 = 0.5;
-
 impl Ruling {
     /// Whether the inertia of the force fit means something.
     pub fn tells_inertia(&self) -> bool {
@@ -101,15 +98,9 @@ impl Ruling {
     pub fn tells_what_is_left(&self) -> bool {
         self.tells_inertia() && self.remainder.over_noise > SHAKEN
     }
-    /// Whether the forces that are left speak for an effect, be it too little for a name. Short recordings hold few blocks,
-    /// so that an effect may gain much and have a small z. It is supported too, if nothing is named that it may hide.
+    /// Whether the forces that are left speak for an effect, be it too little for a name.
     pub fn supports(&self, kind: Kind) -> bool {
-        let possible = |own: &&Candidacy| matches!(own.rejection, None | Some(Rejection::Gain));
-        let most = self.left.iter().filter(possible).map(|own| own.gain).fold(0.0, f64::max);
-        let undecided = |own: &Candidacy| {
-            self.findings.is_empty() && possible(&own) && own.gain >= Settings::default().gain[0].max(MUCH * most)
-        };
-        let supported = |own: &Candidacy| own.kind == kind && (own.gain > 0.0 && own.z >= SUPPORT || undecided(own));
+        let supported = |own: &Candidacy| own.kind == kind && own.gain > 0.0 && own.z >= SUPPORT;
         self.seen.iter().any(|seen| seen.effect.kind == kind) || self.left.iter().any(supported)
     }
     /// Whether random torque shakes the machine. The forces have weighed the effects that they can weigh, more is left
@@ -322,23 +313,6 @@ mod tests {
         };
         let supported = [Kind::Cogging, Kind::Delay, Kind::Spring].map(|kind| ruling.supports(kind));
         assert_eq!(supported, [true, true, false]);
-    }
-
-    /// Few blocks give a small z. An effect that gains as much as any other is then supported, unless something is named or
-    /// the effect cannot be.
-    #[test]
-    fn the_forces_speak_for_what_gains_much() {
-        let own = |kind, gain, rejection| Candidacy { kind, gain, z: 1.6, rejection: Some(rejection) };
-        let left = vec![
-            own(Kind::Spring, 0.27, Rejection::Gain),
-            own(Kind::Delay, 0.1, Rejection::Gain),
-            own(Kind::Cogging, 0.5, Rejection::Amplitude),
-        ];
-        let nothing = Ruling { left, ..Ruling::naming(&[], [0.3, 600.0]) };
-        let supported = |own: &Ruling| [Kind::Spring, Kind::Delay, Kind::Cogging].map(|kind| own.supports(kind));
-        assert_eq!(supported(&nothing), [true, false, false]);
-        let named = Ruling { findings: vec![Finding::of(Kind::ConstantLoad)], ..nothing };
-        assert_eq!(supported(&named), [false; 3]);
     }
 
     /// A small finding is seen with its share. The others stay, and so does what was seen.

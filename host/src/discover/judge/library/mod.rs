@@ -37,6 +37,11 @@ pub fn tells(kind: Kind) -> bool {
     weighs(kind) && !kind.bristles()
 }
 
+/// Whether the measured forces tell one effect from another. They do not tell how little a bristle bends.
+pub fn tells_apart(one: Kind, other: Kind) -> bool {
+    one == other || !(one.bristles() && other.bristles())
+}
+
 /// What the columns are made of.
 pub struct Library<'a> {
     form: &'a WeakForm<'a>,
