@@ -44,18 +44,13 @@ pub(super) fn found(
     let withdrawn = |ruling: &Ruling, ladder: &[Rung], fit: &Fit| {
         contradicted(ruling, ladder).filter(|_| !follows(data, base, fit))
     };
-    let (mut ruling, mut own) = (ruling.clone(), simulated(ruling));
-    for other in [ruling.without_small(), ruling.with_seen()].into_iter().flatten() {
-        let others = simulated(&other);
+    let (ruling, (fit, of_forces)) = forward_selection(ruling, simulated, |own, (fit, _), (best, _)| {
         // What would be withdrawn must not take the names of the forces with it.
-        let stays = || withdrawn(&other, &[rung(data, base), rung(data, &others.0)], &others.0).is_none();
-        if (follows(data, &own.0, &others.0) || follows_for_longer(data, &own.0, &others.0)) && stays() {
-            (ruling, own) = (other, others);
-            break;
-        }
-    }
-    let (fit, of_forces) = own;
-    let mut remarks: Vec<String> = ruling.seen.iter().map(seen).collect();
+        let stays = || withdrawn(own, &[rung(data, base), rung(data, fit)], fit).is_none();
+        let better = follows(data, best, fit) || follows_for_longer(data, best, fit);
+        (better && stays()).then(|| open_loop(data, fit))
+    });
+    let mut remarks: Vec<String> = ruling.seen.iter().map(|own| seen(own, units)).collect();
     remarks.extend(ruling.of_recordings.map(|[own, all]| {
         format!("{own} of {all} recordings name it alone and together; the others hold too little of it")
     }));
@@ -97,10 +92,44 @@ pub(super) fn found(
     Ok((assembled(request, &start, units, ended, progress), ruling))
 }
 
-/// The remark on an effect that is seen.
-fn seen(finding: &Finding) -> String {
-    let (name, percent) = (finding.effect.kind.name(), 100.0 * finding.small_share.unwrap_or(0.0));
-    format!("{name} is seen too, with {percent:.0} % of the energy of the gap: too little to be named")
+/// The ruling whose small and seen effects the simulated motion bears out, and its fit. Where the motion is better without
+/// the small names they go. Else what is seen is added, the best first, as long as the motion is better with it. `error`
+/// gives the open-loop error of another ruling's fit, where that is better than the best so far.
+fn forward_selection<F>(
+    ruling: &Ruling,
+    fit: impl Fn(&Ruling) -> F,
+    error: impl Fn(&Ruling, &F, &F) -> Option<f64>,
+) -> (Ruling, F) {
+    let mut best = (ruling.clone(), fit(ruling));
+    if let Some(without) = ruling.without_small() {
+        let own = fit(&without);
+        if error(&without, &own, &best.1).is_some() {
+            return (without, own);
+        }
+    }
+    loop {
+        let each = best.0.with_each_seen().into_iter().map(|other| {
+            let own = fit(&other);
+            (error(&other, &own, &best.1), other, own)
+        });
+        let better = each.filter_map(|(error, other, own)| Some((error?, other, own)));
+        let Some((_, other, own)) = better.min_by(|a, b| a.0.total_cmp(&b.0)) else { return best };
+        best = (other, own);
+    }
+}
+
+/// The remark on an effect that is seen, in a few windows or at rest.
+fn seen(finding: &Finding, units: &Units) -> String {
+    let name = finding.effect.kind.name();
+    if let Some(share) = finding.small_share {
+        let percent = 100.0 * share;
+        return format!("{name} is seen too, with {percent:.0} % of the energy of the gap: too little to be named");
+    }
+    let (level, unit) = (finding.effect.p[0], &units.u);
+    format!(
+        "the axis stands under {level:.3} {unit} more than its Coulomb friction. The simulated motion follows no better \
+         with {name}: not named"
+    )
 }
 
 /// The measured forces of a ruling, as the report shows them.

@@ -104,20 +104,27 @@ fn energies_left(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> Vec<
     energies
 }
 
-#[cfg(test)]
 impl Finding {
-    /// A finding of an effect, of which nothing else is known.
-    pub(crate) fn of(kind: Kind) -> Self {
+    /// An effect that the axis shows at rest. It has no gain, because no window tells it.
+    pub(super) fn at_rest(effect: Effect<f64>, z: f64) -> Self {
         Self {
-            effect: Effect::new(kind, &[1.0]),
+            effect,
             errors: [f64::NAN; _],
             held: Vec::new(),
             own_zeros: false,
             tied: Vec::new(),
             small_share: None,
-            gain: 1.0,
-            z: 9.0,
+            gain: 0.0,
+            z,
         }
+    }
+}
+
+#[cfg(test)]
+impl Finding {
+    /// A finding of an effect, of which nothing else is known.
+    pub(crate) fn of(kind: Kind) -> Self {
+        Self { gain: 1.0, ..Self::at_rest(Effect::new(kind, &[1.0]), 9.0) }
     }
 }
 

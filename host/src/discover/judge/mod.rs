@@ -2,6 +2,7 @@
 
 mod attenuation;
 pub(in crate::discover) mod bar;
+mod break_away;
 mod compliance;
 mod coordinate_search;
 pub mod dataset;
@@ -15,6 +16,7 @@ mod observation;
 mod one_wave;
 pub mod outcome;
 mod periodogram;
+mod random_effects;
 pub mod reading_age;
 pub mod regression;
 pub mod remainder;

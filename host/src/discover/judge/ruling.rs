@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use breakaway_core::plant::{Base, Effect, Kind};
 
 use super::bar::best_decoy;
+use super::break_away::stiction;
 use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::finding::{Finding, findings};
@@ -126,15 +127,21 @@ impl Ruling {
         let seen = self.seen.iter().cloned().chain(small.iter().cloned()).collect();
         (!small.is_empty()).then(|| Self { findings, seen, ..self.clone() })
     }
-    /// The ruling with what is seen named; `None` where nothing is.
-    pub fn with_seen(&self) -> Option<Self> {
-        let findings = self.findings.iter().chain(&self.seen).cloned().collect();
-        (!self.seen.is_empty()).then(|| Self { findings, seen: Vec::new(), ..self.clone() })
+    /// Rulings with one of the effects that are seen named.
+    pub fn with_each_seen(&self) -> Vec<Self> {
+        let with = |named: usize| {
+            let mut own = self.clone();
+            own.findings.push(own.seen.remove(named));
+            own
+        };
+        (0..self.seen.len()).map(with).collect()
     }
     /// The ruling beside effects that are known already: none of them is named again.
     #[must_use]
     pub fn beside(mut self, known: &[Effect<f64>]) -> Self {
-        self.findings.retain(|finding| !known.iter().any(|effect| effect.kind == finding.effect.kind));
+        let new = |finding: &Finding| !known.iter().any(|effect| effect.kind == finding.effect.kind);
+        self.findings.retain(new);
+        self.seen.retain(new);
         self
     }
 }
@@ -181,7 +188,10 @@ pub fn rule_within(
         Outcome::Unknown(name) => Some(name),
         _ => None,
     });
-    let [findings, seen] = findings(form, own, settings);
+    let [findings, mut seen] = findings(form, own, settings);
+    let remainder = remainder(&dataset, own, narrowest, predictable.next_back(), settings)
+        .or_else(|| remainder_of(form, own, None))?;
+    seen.extend(stiction(form, own, remainder.rms_u, settings));
     Some(Ruling {
         base: Base { b: own.inertia(), c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
         findings,
@@ -197,8 +207,7 @@ pub fn rule_within(
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
         of_recordings: None,
-        remainder: remainder(&dataset, own, narrowest, predictable.next_back(), settings)
-            .or_else(|| remainder_of(form, own, None))?,
+        remainder,
     })
 }
 
@@ -327,8 +336,8 @@ mod tests {
         assert_eq!(kinds(&less.findings), [Kind::GravityLoad]);
         assert_eq!(kinds(&less.seen), [Kind::Cogging, Kind::Delay]);
         assert_eq!(less.seen[1].small_share, Some(0.03));
-        let more = ruling.with_seen().unwrap();
+        let [more] = &ruling.with_each_seen()[..] else { panic!() };
         assert_eq!(kinds(&more.findings), [Kind::GravityLoad, Kind::Delay, Kind::Cogging]);
-        assert!(more.seen.is_empty() && more.with_seen().is_none());
+        assert!(more.seen.is_empty() && more.with_each_seen().is_empty());
     }
 }
