@@ -88,7 +88,7 @@ pub(super) fn stiction(form: &WeakForm<'_>, own: &Judged, random_u: f64, setting
     Some(finding)
 }
 
-/// The break-aways of a session.
+/// The departures of a session.
 struct Rests {
     brackets: Vec<Bracket>,
     /// Rms of the random force, drive units.
