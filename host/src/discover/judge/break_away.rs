@@ -1,6 +1,6 @@
 //! The friction at rest. A window of the weak form does not tell it, because an axis at rest stays at rest under any
-//! smaller force. The instants at which it breaks away do: the level lies between the force at the last sample that
-//! stands and that at the first sample that moves.
+//! smaller force. The instants at which it breaks away do. The level lies between the force at the last sample that
+//! stands and the force at the first that moves.
 
 use breakaway_core::plant::{Effect, Kind};
 
@@ -56,9 +56,9 @@ impl Bracket {
 }
 
 /// Stiction, where the axis stands under more than the Coulomb friction f1 beside the judged model. The lower ends of the
-/// brackets must be above 0 with the z of a name, and above the share of the drive that counts as known. Friction by load
-/// is tied where it holds the axis as well, and gains beside the model where the axis moves. `random_u` is the rms of the
-/// random force. `None` where a model with bristles has a friction at rest of its own.
+/// brackets must be above 0 with the z of a name. They must also be above the share of the drive that counts as known.
+/// Friction by load is tied where it holds the axis as well, and gains beside the model where the axis moves. `random_u`
+/// is the rms of the random force. `None` where a model with bristles has a friction at rest of its own.
 pub(super) fn stiction(form: &WeakForm<'_>, own: &Judged, random_u: f64, settings: &Settings) -> Option<Finding> {
     let side = &own.fitted.u;
     if own.model.terms.iter().any(|term| term.replaces_direction) || !(side.b > 0.0 && side.f1 > 0.0) {

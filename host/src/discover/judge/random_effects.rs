@@ -22,10 +22,9 @@ impl Estimate {
 }
 
 /// The random-effects mean of at least three values with these variances (DerSimonian and Laird 1986, *Controlled
-/// Clinical Trials* 7, 177). The variance by which the values differ beyond their own is added to each. Only that part of
-/// the error is told by the values themselves, so the degrees of freedom are those of a sum of a known and an estimated
-/// variance (Satterthwaite 1946, *Biometrics* 2, 110). `None` where there are fewer values, or where a variance is not
-/// above 0.
+/// Clinical Trials* 7, 177). The variance by which the values differ beyond their own is added to each. The values tell
+/// only that part of the error. So the degrees of freedom are those of a known beside an estimated variance
+/// (Satterthwaite 1946, *Biometrics* 2, 110). `None` where there are fewer values, or where a variance is not above 0.
 pub(super) fn mean(values: &[f64], variances: &[f64]) -> Option<Estimate> {
     if values.len() < 3 || !variances.iter().all(|own| *own > 0.0 && own.is_finite()) {
         return None;
