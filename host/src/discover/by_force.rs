@@ -277,6 +277,26 @@ mod tests {
         (found.effects.iter().map(|own| own.kind).collect(), found.remarks)
     }
 
+    /// Of two effects that are seen, stiction leaves less in open loop, and nothing is better with the curve too. So
+    /// stiction is named, and the curve stays seen.
+    #[test]
+    fn what_is_seen_is_added_the_best_first() {
+        let seen = vec![Finding::of(Kind::Stribeck), Finding::of(Kind::Stiction)];
+        let ruling = Ruling { seen, ..Ruling::naming(&[Kind::Delay], [0.05, 9.0]) };
+        let kinds = |own: &[Finding]| own.iter().map(|own| own.effect.kind).collect::<Vec<_>>();
+        let fit = |ruling: &Ruling| match kinds(&ruling.findings)[1..] {
+            [Kind::Stiction] => 0.1,
+            [Kind::Stribeck] => 0.2,
+            _ => 0.3,
+        };
+        let (own, error) = forward_selection(&ruling, fit, |_, own, best| (own < best).then_some(*own));
+        assert_eq!(
+            [kinds(&own.findings), kinds(&own.seen)],
+            [[Kind::Delay, Kind::Stiction].to_vec(), vec![Kind::Stribeck]]
+        );
+        assert!((error - 0.1_f64).abs() < 1e-12);
+    }
+
     /// An effect that the forces only see is named where the simulated motion follows better with it.
     #[test]
     fn what_is_seen_is_named_where_the_motion_follows_better() {

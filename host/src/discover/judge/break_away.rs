@@ -11,8 +11,8 @@ use super::regression::rms;
 use super::search::Judged;
 use super::settings::Settings;
 use super::sides::Side;
-use super::term::{Column, Name};
-use super::weak_form::{Field, Kernels, WeakForm, norm, over};
+use super::term::Name;
+use super::weak_form::{Kernels, WeakForm, norm, over};
 
 /// Velocity below which an axis stands, in standard deviations of its noise.
 const STANDS: f64 = 3.0;
@@ -66,30 +66,32 @@ pub(super) fn stiction(form: &WeakForm<'_>, own: &Judged, random_u: f64, setting
     }
     let known_u = settings.predictable * rms(&form.row_u);
     let arrived = own.model.arrived(form);
-    let net = net_force(own, &arrived);
-    let rests = RESOLVED.iter().filter_map(|resolved| {
+    // What inertia, c and f1 hold against.
+    let mut net = arrived.clone();
+    own.model.add_forces(&mut net, side, -1.0);
+    let departures = RESOLVED.iter().filter_map(|resolved| {
         let pieces = form.dataset.pieces.iter().zip(arrived.iter().zip(&net));
         let each = pieces
             .filter_map(|(piece, (u, net))| Some(brackets(piece, [u, net], side, &kernel(piece, side, *resolved)?)));
-        Rests::new(each.flatten().collect(), random_u.max(known_u))
+        Departures::new(each.flatten().collect(), random_u.max(known_u))
     });
-    let rests = rests.max_by(|a, b| a.low.z().total_cmp(&b.low.z()))?;
-    if !(rests.low.z() >= settings.least_z(RESOLVED.len() as f64) && rests.low.mean > known_u) {
+    let departures = departures.max_by(|a, b| a.low.z().total_cmp(&b.low.z()))?;
+    if !(departures.low.z() >= settings.least_z(RESOLVED.len() as f64) && departures.low.mean > known_u) {
         return None;
     }
-    let mut finding = Finding::at_rest(Effect::new(Kind::Stiction, &[rests.level.mean]), rests.low.z());
-    finding.errors[0] = rests.level.error;
+    let mut finding = Finding::at_rest(Effect::new(Kind::Stiction, &[departures.level.mean]), departures.low.z());
+    finding.errors[0] = departures.level.error;
     let by_load = Name::Effect(Kind::LoadFriction);
     let moving = own.rounds.last().into_iter().flat_map(|round| &round.tried);
     let mut moving = moving.filter(|tried| tried.names() == [by_load]);
-    if rests.rise_with_load() && moving.any(|tried| tried.gain > 0.0) {
+    if departures.rise_with_load() && moving.any(|tried| tried.gain > 0.0) {
         finding.tied.push((Kind::LoadFriction, 0.0));
     }
     Some(finding)
 }
 
 /// The departures of a session.
-struct Rests {
+struct Departures {
     brackets: Vec<Bracket>,
     /// Rms of the random force, drive units.
     random_u: f64,
@@ -99,7 +101,7 @@ struct Rests {
     level: Estimate,
 }
 
-impl Rests {
+impl Departures {
     /// `None` where they tell no mean.
     fn new(brackets: Vec<Bracket>, random_u: f64) -> Option<Self> {
         let of = |value: fn(&Bracket) -> f64, square: f64| {
@@ -121,20 +123,6 @@ impl Rests {
         };
         left(|own| own.load) <= left(|_| 1.0)
     }
-}
-
-/// The drive as it arrives less the forces of the terms, at every sample: what inertia, c and f1 hold against.
-fn net_force(own: &Judged, arrived: &Field) -> Field {
-    let mut net = arrived.clone();
-    for (term, amplitudes) in own.model.terms.iter().zip(&own.fitted.u.amplitudes) {
-        for (column, amplitude) in term.u.iter().zip(amplitudes) {
-            let Column::Force(force) = column else { continue };
-            for (net, g) in net.iter_mut().zip(&force.field).flat_map(|(net, g)| net.iter_mut().zip(g)) {
-                *net -= amplitude * g;
-            }
-        }
-    }
-    net
 }
 
 /// The shortest kernel of the velocity whose noise is small beside what this share of f1 gives within it.
@@ -230,10 +218,10 @@ mod tests {
     /// Levels of .2 of the load rise with it, and equal levels under other loads do not.
     #[test]
     fn a_level_may_rise_with_the_load() {
-        let rests = |level: fn(f64) -> f64| {
+        let departures = |level: fn(f64) -> f64| {
             let each = [0.5, 1.0, 2.0, 4.0].map(|load| Bracket { low: level(load), high: level(load) + 0.01, load });
-            Rests::new(each.to_vec(), 0.01).unwrap()
+            Departures::new(each.to_vec(), 0.01).unwrap()
         };
-        assert!(rests(|load| 0.2 * load).rise_with_load() && !rests(|_| 0.2).rise_with_load());
+        assert!(departures(|load| 0.2 * load).rise_with_load() && !departures(|_| 0.2).rise_with_load());
     }
 }

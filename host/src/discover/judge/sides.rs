@@ -239,17 +239,20 @@ impl Model {
     pub fn predicted_drive(&self, form: &WeakForm<'_>, u: &Side) -> Field {
         let replaced = self.replaced();
         let mut drive = form.field(|s| u.b * s.a + u.c * s.v + if replaced { 0.0 } else { u.f1 * s.direction });
+        self.add_forces(&mut drive, u, 1.0);
+        drive
+    }
+
+    /// Adds the forces of the terms on side U, times `factor`, to a drive at every sample.
+    pub(super) fn add_forces(&self, drive: &mut Field, u: &Side, factor: f64) {
         for (term, amplitudes) in self.terms.iter().zip(&u.amplitudes) {
             for (column, amplitude) in term.u.iter().zip(amplitudes) {
-                let Column::Force(field) = column else { continue };
-                for (drive, g) in drive.iter_mut().zip(&field.field) {
-                    for (u, g) in drive.iter_mut().zip(g) {
-                        *u += amplitude * g;
-                    }
+                let Column::Force(force) = column else { continue };
+                for (u, g) in drive.iter_mut().zip(&force.field).flat_map(|(drive, g)| drive.iter_mut().zip(g)) {
+                    *u += factor * amplitude * g;
                 }
             }
         }
-        drive
     }
 }
 
