@@ -126,11 +126,11 @@ fn a_real_recording_gives_the_commands_numbers() {
 #[ignore = "one core takes minutes; docs/browser.md has the numbers that it prints"]
 fn a_chaotic_recording_gives_the_commands_names() {
     let data = needs!(measured_data());
-    for file in ["current-sine-2hz.csv", "speed-control.csv"] {
+    for (file, drive) in [("current-sine-2hz.csv", "iq_A"), ("speed-control.csv", "u_cmd_A")] {
         // A page keeps the files that were chosen before.
         let mut page = needs!(Page::open());
         let Both { page: found, command, differ } =
-            discovered(&mut page, &data.join("laas-motor").join(file), ["t_s", "iq_A", "x_rad"]);
+            discovered(&mut page, &data.join("laas-motor").join(file), ["t_s", drive, "x_rad"]);
         println!("{file}: {} numbers differ\n{}", differ.len(), differ.join("\n"));
         let names = |document: &Value| -> Vec<Value> {
             document["discover"]["effects"].as_array().unwrap().iter().map(|effect| effect["name"].clone()).collect()
