@@ -123,7 +123,7 @@ fn a_real_recording_gives_the_commands_numbers() {
 /// A rotor across its teeth is chaotic, and the last bit grows. What the page names is named by the command, and what is not
 /// simulated is equal to rounding.
 #[test]
-#[ignore = "one core takes minutes; docs/browser.md has the numbers that it prints"]
+#[ignore = "100 s; docs/browser.md has the command, and how far the numbers differ"]
 fn a_chaotic_recording_gives_the_commands_names() {
     let data = needs!(measured_data());
     for (file, drive) in [("current-sine-2hz.csv", "iq_A"), ("speed-control.csv", "u_cmd_A")] {
