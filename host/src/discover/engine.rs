@@ -9,6 +9,7 @@ use super::corroboration;
 use super::data::Data;
 use super::following::off_by_a_tooth;
 use super::gap::open_loop_squares;
+use super::inertia::untold;
 use super::judge::library::{tells, weighs};
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
@@ -33,7 +34,7 @@ const ROUGH: f64 = 150.0;
 const AT_THE_NOISE: f64 = 1.1;
 /// The same ratio, above which the forces tell more of what is left than the motion. Nearer to the noise the motion tells
 /// effects that act in few samples, as a drive that is clipped now and then.
-const FAR: f64 = 10.0;
+pub(super) const FAR: f64 = 10.0;
 /// Iterations of the base model's fit.
 const BASE_ITERATIONS: usize = 20;
 /// Largest factor between a given model's inertia and the recordings'. Beyond it the model is of another machine, or in
@@ -152,6 +153,11 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     if rezeroed {
         let remark = "each recording has a zero of its own: all positions are counted from that of the first";
         found.remarks.push(remark.to_owned());
+    }
+    let b = found.model.base.b;
+    if let Some(remark) = ruling.as_ref().and_then(|own| untold(own, b, found.over_noise(), &units.of_b())) {
+        found.base_se[0] = f64::NAN;
+        found.remarks.push(remark);
     }
     found.force = ruling.as_ref().map(by_force::force);
     found.seconds = began.elapsed().as_secs_f64();

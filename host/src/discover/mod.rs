@@ -10,6 +10,7 @@ pub mod engine;
 mod following;
 mod force_residual;
 mod gap;
+mod inertia;
 pub mod judge;
 mod known;
 mod model;

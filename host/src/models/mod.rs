@@ -15,10 +15,13 @@ use crate::file::FileError;
 use crate::nearest::{did_you_mean, nearest};
 
 /// Name and text of every card, by name.
-const CARDS: [(&str, &str); 6] = [
+const CARDS: [(&str, &str); 9] = [
     ("ak80", include_str!("../../../models/ak80.toml")),
     ("emps", include_str!("../../../models/emps.toml")),
     ("flexlink", include_str!("../../../models/flexlink.toml")),
+    ("frc-left", include_str!("../../../models/frc-left.toml")),
+    ("frc-right", include_str!("../../../models/frc-right.toml")),
+    ("hsm150", include_str!("../../../models/hsm150.toml")),
     ("laas", include_str!("../../../models/laas.toml")),
     ("odrive", include_str!("../../../models/odrive.toml")),
     ("xl330", include_str!("../../../models/xl330.toml")),

@@ -20,8 +20,8 @@ command was
 
     {command}
 
-in the dev profile. It goes on where it was stopped; `--anew` makes the rows again. The recordings are other
-people's: the tests find them as tests/src/lib.rs says, and the project holds none.
+It goes on where it was stopped; `--anew` makes the rows again. The recordings are other people's: the
+tests find them as tests/src/lib.rs says, and the project holds none.
 
 *Splits.* `all`: every recording, the last third of each held out by the tool. `without 2 of 8`: the second
 file is held out, the others are fitted; of more than eight files, every fifth. `half 1`, `third 2`: that

@@ -138,7 +138,9 @@ pub(super) fn model(discovery: &Discovery) -> String {
         .into_iter()
         .zip(discovery.base_se)
         .map(|((symbol, meaning, before, after, unit), se)| {
-            row(symbol, number(before, 4), with_error(after, se), &unit, meaning)
+            let now =
+                if se.is_finite() { with_error(after, se) } else { format!("{} (error not told)", number(after, 4)) };
+            row(symbol, number(before, 4), now, &unit, meaning)
         })
         .collect();
     for effect in &discovery.effects {
