@@ -105,6 +105,17 @@ impl<'a> Screen<'a> {
         self.residual.iter().zip(&self.windows).map(|(r, w)| r / w.unit).collect()
     }
 
+    /// The same from the regression of the acceleration on drive, velocity and direction: what the motion lacks of the
+    /// drive. It is not correlated with the drive itself. The residual of the drive is, wherever the model explains little
+    /// of the drive. `None` where the drive tells nothing of the acceleration.
+    pub fn residual_force_of_motion(&self) -> Option<Vec<f64>> {
+        let mut columns = self.columns.clone();
+        columns.set_column(0, &self.target);
+        let (coefficients, residual) = weak::least_squares(&columns, &self.columns.column(0).into_owned())?;
+        let b = 1.0 / coefficients[0];
+        b.is_finite().then(|| residual.iter().zip(&self.windows).map(|(r, w)| -b * r / w.unit).collect())
+    }
+
     /// ∫φ·(force of the effect) in every window, along the measured motion.
     fn effect_column(&self, base: Base<f64>, effect: &Effect<f64>) -> DVector<f64> {
         if effect.kind.definition().acts_in == ActsIn::Sensor {

@@ -13,14 +13,18 @@ const BINS: usize = 16;
 /// Bins of the position, over which ripples are sought.
 const FINE_BINS: usize = 96;
 
-/// One coordinate: its name, its unit with `U` and `X`, its value at every window, the sign given to the force, and its
-/// bins.
+/// One coordinate.
 struct Coordinate {
     name: &'static str,
+    /// Its unit, with `U` and `X`.
     unit: &'static str,
+    /// Its value at every window.
     value: Vec<f64>,
+    /// The sign given to the force.
     sign: Vec<f64>,
     bins: usize,
+    /// Whether it is made of the drive. The residual of the drive holds the drive. So the residual of the motion is mapped.
+    of_drive: bool,
 }
 
 /// The coordinates at every window of the screen.
@@ -50,35 +54,21 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
     };
     let one = vec![1.0; n];
     let direction = at(&|t, k| t.vs[k].signum());
-    let plain = |name, unit, value, bins| Coordinate { name, unit, value, sign: one.clone(), bins };
+    let signed = |name, unit, value, bins| {
+        Coordinate { name, unit, value, sign: direction.clone(), bins, of_drive: false }
+    };
+    let plain = |name, unit, value, bins| Coordinate { sign: one.clone(), ..signed(name, unit, value, bins) };
+    let of_drive = |name, unit, value| Coordinate { of_drive: true, ..plain(name, unit, value, BINS) };
     vec![
         plain("velocity", "X/s", at(&|t, k| t.vs[k]), BINS),
         plain("position", "X", at(&|t, k| t.xs[k]), FINE_BINS),
-        Coordinate {
-            name: "position × direction",
-            unit: "X",
-            value: at(&|t, k| t.xs[k]),
-            sign: direction.clone(),
-            bins: FINE_BINS,
-        },
+        signed("position × direction", "X", at(&|t, k| t.xs[k]), FINE_BINS),
         plain("direction", "", direction.clone(), 2),
-        plain("drive level", "U", at(&|t, k| t.u[k]), BINS),
+        of_drive("drive level", "U", at(&|t, k| t.u[k])),
         plain("acceleration", "X/s²", at(&|t, k| t.acceleration[k]), BINS),
-        Coordinate {
-            name: "distance since reversal",
-            unit: "X",
-            value: since_reversal,
-            sign: direction.clone(),
-            bins: BINS,
-        },
-        plain("time since drive edge", "s", since_edge, BINS),
-        Coordinate {
-            name: "session time × direction",
-            unit: "s",
-            value: at(&|t, k| t.t[k]),
-            sign: direction,
-            bins: BINS,
-        },
+        signed("distance since reversal", "X", since_reversal, BINS),
+        of_drive("time since drive edge", "s", since_edge),
+        signed("session time × direction", "s", at(&|t, k| t.t[k]), BINS),
         plain("session time", "s", at(&|t, k| t.t[k]), BINS),
     ]
 }
@@ -86,9 +76,11 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
 /// The map of the residual of one model, in a fixed order of the coordinates: name, unit, R², binned curve.
 pub fn map(data: &Data, screen: &Screen<'_>) -> Vec<(&'static str, &'static str, f64, Vec<[f64; 3]>)> {
     let force = screen.residual_force();
+    let of_motion = screen.residual_force_of_motion().unwrap_or_default();
     let mut rows: Vec<_> = coordinates(data, screen)
         .into_iter()
         .map(|c| {
+            let force = if c.of_drive { &of_motion } else { &force };
             let signed: Vec<f64> = force.iter().zip(&c.sign).map(|(f, s)| f * s).collect();
             (c.name, c.unit, cross_validated(&c.value, &signed, c.bins), curve(&c.value, &signed, c.bins.min(48)))
         })
