@@ -2,6 +2,7 @@
 
 mod by_force;
 mod candidate_rows;
+mod clock;
 mod corroboration;
 pub mod data;
 pub mod decide;

@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use super::clock::{Clocked, clocked, with_delay};
 use super::engine::Request;
-use super::judge::reading_age::reading_age_s;
 use super::judge::ruling::{ALL_WIDTHS, Ruling, rule_within};
 use super::judge::settings::Settings;
 use super::judge::zeros;
@@ -22,7 +22,7 @@ pub struct Ruled {
     pub request: Request,
     /// The ruling on the recordings to fit; `None` where they hold too little motion.
     pub ruling: Option<Ruling>,
-    /// Age of the sensor's readings, s; `None` where none was found.
+    /// Age of the sensor's readings, s; `None` where none was found, or where a delay of the loop was named for it.
     pub age_s: Option<f64>,
     /// Whether the recordings were moved to one zero.
     pub rezeroed: bool,
@@ -32,7 +32,7 @@ pub struct Ruled {
 /// recording had its own zero. Where all recordings together name nothing, the ruling is on those that name something
 /// alone.
 pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
-    let (mut request, age_s) = on_the_sensors_clock(request, settings);
+    let Clocked { mut request, age_s, as_seen } = clocked(request, settings);
     let known = request.model.clone();
     let rule = |recordings: &[Recording], half_widths_s: RangeInclusive<f64>| {
         rule_beside(recordings, known.as_ref(), half_widths_s, units, settings)
@@ -53,7 +53,12 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
     if ruling.as_ref().is_none_or(|ruling| ruling.findings.is_empty()) {
         ruling = replicated(&request.recordings, |own| rule(own, ALL_WIDTHS)).or(ruling);
     }
-    Ruled { request, ruling, age_s, rezeroed }
+    let by_clock = Ruled { request, ruling, age_s, rezeroed };
+    let late = as_seen.and_then(|as_seen| with_delay(&by_clock, as_seen, |own| rule(own, ALL_WIDTHS)));
+    match late {
+        Some((request, ruling)) => Ruled { request, ruling: Some(ruling), age_s: None, rezeroed },
+        None => by_clock,
+    }
 }
 
 /// Whether a model leaves little of the forces, and nothing that can be predicted. The simulation error alone does not
@@ -86,23 +91,4 @@ fn rule_beside(
 /// Radians in a position unit; `None` where the position is no angle. A position without a unit counts as an angle.
 pub fn radians(units: &Units) -> Option<f64> {
     matches!(units.x.as_str(), "rad" | "x").then_some(1.0)
-}
-
-/// The request with one row for each reading of the sensor, and the age of the readings, s. Each row has the drive of
-/// the instant at which the reading was taken. `None` where no age was found: no reading is held, or the sensor's clock
-/// does not explain the best age.
-fn on_the_sensors_clock(request: &Request, settings: &Settings) -> (Request, Option<f64>) {
-    let of = |recordings: &[Recording], holdout: &[Recording]| Request {
-        recordings: Recording::refreshed_together(recordings),
-        holdout: Recording::refreshed_together(holdout),
-        ..request.clone()
-    };
-    let fresh = of(&request.recordings, &request.holdout);
-    let Some(age_s) = reading_age_s(&fresh.recordings, settings) else { return (fresh, None) };
-    let aged = |all: &[Recording], fresh: &[Recording]| -> Vec<Recording> {
-        let held = fresh.iter().map(|own| if own.read_every_s.is_some() { age_s } else { 0.0 });
-        all.iter().zip(held).map(|(recording, age_s)| recording.with_readings_of(age_s)).collect()
-    };
-    let recordings = aged(&request.recordings, &fresh.recordings);
-    (of(&recordings, &aged(&request.holdout, &fresh.holdout)), Some(age_s))
 }

@@ -54,9 +54,8 @@ fn coordinates(data: &Data, screen: &Screen<'_>) -> Vec<Coordinate> {
     };
     let one = vec![1.0; n];
     let direction = at(&|t, k| t.vs[k].signum());
-    let signed = |name, unit, value, bins| {
-        Coordinate { name, unit, value, sign: direction.clone(), bins, of_drive: false }
-    };
+    let signed =
+        |name, unit, value, bins| Coordinate { name, unit, value, sign: direction.clone(), bins, of_drive: false };
     let plain = |name, unit, value, bins| Coordinate { sign: one.clone(), ..signed(name, unit, value, bins) };
     let of_drive = |name, unit, value| Coordinate { of_drive: true, ..plain(name, unit, value, BINS) };
     vec![

@@ -91,6 +91,8 @@ pub struct Recording {
     /// Interval at which the sensor was read, s, where rows that repeated a reading were merged
     /// ([`Recording::refreshed`]). The position of a row is older than its stamp by an unknown part of it.
     pub read_every_s: Option<f64>,
+    /// Interval of the rows in which those readings were seen, s.
+    pub seen_every_s: Option<f64>,
     /// What the reader found in the file and mended; [`Recording::warnings`] has it too.
     pub found: Vec<Warning>,
 }
@@ -153,6 +155,7 @@ impl Recording {
             gaps: timing::gaps(&table.t, &table.breaks),
             meta: table.header.meta,
             read_every_s: None,
+            seen_every_s: None,
             found: table.found,
             t: table.t,
             u,

@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use super::Recording;
-use super::timing::median;
+use super::timing::{median, median_interval};
 
 /// Intervals of the sensor after which a position that is still the same counts as read anew: the axis rests.
 const AT_REST: f64 = 1.5;
 
-/// Intervals of a sensor's clock within which a delay is that clock's. A reading is up to one interval old, and half
-/// an interval is the least error of its instant.
+/// Intervals within which a delay may be that of the readings. A reading is up to one interval old, and half an interval
+/// is the least error of its instant.
 const CLOCK_INTERVALS: f64 = 1.5;
 
 impl Recording {
@@ -26,6 +26,12 @@ impl Recording {
             Some(period_s) => Cow::Owned(self.read_every(period_s)),
             None => Cow::Borrowed(self),
         }
+    }
+
+    /// The drive of each row as [`refreshed`](Self::refreshed) has it, and readings that are no older than the rows in which they were
+    /// seen. A longer delay is then one of the loop, be it in the drive or on the way of the reading.
+    pub fn seen_by_rows(&self) -> Self {
+        Self { read_every_s: self.seen_every_s, ..self.clone() }
     }
 
     /// Recordings of one sensor, each [`refreshed`](Self::refreshed). A recording that is too slow to tell its refresh has that of
@@ -72,6 +78,7 @@ impl Recording {
         let (t, u, x, current, gaps) = Default::default();
         let mut own = Self { t, u, x, current, gaps, ..self.clone() };
         own.read_every_s = Some(period_s);
+        own.seen_every_s = Some(median_interval(&self.t));
         for piece in self.pieces() {
             let mut fresh: Vec<usize> = Vec::new();
             for row in piece.clone() {
@@ -149,6 +156,8 @@ mod tests {
         assert_eq!(creep.held(), None);
         let together = Recording::refreshed_together(&[swing.clone(), creep]);
         assert!(together[1].read_every_s.is_some_and(|period_s| (period_s / 0.02 - 1.0).abs() < 0.02));
+        // A delay of two rows may be that of the readings. By the rows it is one of the loop.
+        assert!(together[1].unsure_s() > 0.01 && together[1].seen_by_rows().unsure_s() < 0.01);
         let mut own = swing.clone();
         own.x = (0..4000).map(|k| 1e-6 * (k as f64).sin()).collect();
         assert_eq!(Recording::refreshed_together(&[swing, own.clone()])[1], own);

@@ -118,6 +118,7 @@ impl Recording {
                 current: cut(&self.current, piece),
                 encoder_step: self.encoder_step,
                 read_every_s: self.read_every_s,
+                seen_every_s: self.seen_every_s,
                 units: self.units.clone(),
                 counts_per_turn: self.counts_per_turn,
                 meta: self.meta.clone(),

@@ -160,6 +160,7 @@ prop_compose! {
             units: Units { u: units.0, x: units.1 },
             counts_per_turn: step.map(f64::abs),
             read_every_s: None,
+            seen_every_s: None,
             meta,
             gaps: vec![gap],
             found: Vec::new(),
