@@ -80,3 +80,50 @@ fn is_late(kind: Kind) -> bool {
     kind.acts_in() == ActsIn::Drive
         && parameters.any(|parameter| matches!(parameter.role, Role::Delay | Role::TimeConstant))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::judge::bar::tests::Axis;
+    use super::super::ruled::ruled;
+    use super::*;
+    use crate::recording::Units;
+
+    /// Rows of 2 ms from one reading to the next.
+    const HELD: usize = 5;
+
+    /// An axis with friction and random torque. Its position is read every [`HELD`] rows, and seen so many rows late.
+    fn axis(late: usize) -> Recording {
+        let mut recording = Axis { f1: 0.1, drag: 0.0, load: 0.0, seed: 1 }.recording();
+        let x = recording.x.clone();
+        let read = |k: usize| x[(k / HELD * HELD).saturating_sub(late)];
+        recording.x = (0..x.len()).map(read).collect();
+        recording
+    }
+
+    fn ruled_on(late: usize) -> Ruled {
+        let units = Units { u: "V".into(), x: "rad".into() };
+        let request = Request { recordings: vec![axis(late)], ..Request::default() };
+        ruled(&request, &units, &Settings::default())
+    }
+
+    /// Readings that are four rows old delay the loop. The delay is named with their age, to half a row, and a lag is tied
+    /// with it. The request then has the drive as it was seen.
+    #[test]
+    fn readings_older_than_a_row_are_a_delay() {
+        let found = ruled_on(4);
+        let delay = &found.ruling.as_ref().unwrap().findings[0];
+        assert_eq!((delay.effect.kind, delay.tied.as_slice()), (Kind::Delay, &[(Kind::ElectricalLag, 0.0)][..]));
+        assert!((delay.effect.p[0] - 8e-3).abs() < 1e-3, "{:?}", delay.effect);
+        assert_eq!(found.age_s, None);
+        let seen = Recording::refreshed_together(&[axis(4)]);
+        assert_eq!(found.request.recordings[0].u, seen[0].u);
+    }
+
+    /// A reading that is one row old may have come just after the row before. Nothing is named.
+    #[test]
+    fn readings_of_a_row_are_no_delay() {
+        let found = ruled_on(1);
+        assert!(found.ruling.unwrap().findings.is_empty());
+        assert!(found.age_s.is_some_and(|age_s| (age_s - 2e-3).abs() < 1e-3), "{:?}", found.age_s);
+    }
+}

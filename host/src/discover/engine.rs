@@ -148,7 +148,10 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
         found.verdict = Verdict::Explained;
     }
     found.remarks.extend(age_s.map(|age_s| {
-        format!("the position is held between readings, which are taken to be {:.1} ms old", 1e3 * age_s)
+        format!(
+            "the position is held between readings, which are taken to be {:.1} ms old; a delay of the drive looks the same",
+            1e3 * age_s
+        )
     }));
     if rezeroed {
         let remark = "each recording has a zero of its own: all positions are counted from that of the first";

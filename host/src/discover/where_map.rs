@@ -173,3 +173,6 @@ fn periodic_share(data: &Data, screen: &Screen<'_>, force: &[f64]) -> f64 {
     let total: f64 = force.iter().zip(screen.windows()).map(|(f, w)| (w.scale * f).powi(2)).sum();
     spectrum::strongest_share(&data.tracks, screen.windows(), force, Over::Time, total)
 }
+
+#[cfg(test)]
+mod tests;
