@@ -51,7 +51,7 @@ pub(super) fn with_delay(
 ) -> Option<(Request, Ruling)> {
     let mut ruling = by_clock.ruling.clone()?;
     let named = rule(&as_seen.recordings)?.findings.into_iter().find(|own| is_late(own.effect.kind))?;
-    let delay = of_age(named, by_clock.age_s?)?;
+    let delay = of_age(&named, by_clock.age_s?)?;
     ruling.findings.retain(|own| !is_late(own.effect.kind));
     ruling.findings.push(delay);
     // The positions may have been moved to one zero.
@@ -67,11 +67,11 @@ pub(super) fn with_delay(
 
 /// The delay that is as long as the readings are old, with the evidence of what was named. Within the interval of the
 /// readings no other late drive can be told from it.
-fn of_age(named: Finding, age_s: f64) -> Option<Finding> {
+fn of_age(named: &Finding, age_s: f64) -> Option<Finding> {
     let late = || Kind::ALL.iter().copied().filter(|kind| is_late(*kind));
     let delay = late().find(|kind| kind.definition().parameters.iter().any(|own| own.role == Role::Delay))?;
     let tied = late().filter(|kind| *kind != delay).map(|kind| (kind, 0.0)).collect();
-    Some(Finding { effect: Effect::new(delay, &[age_s]), tied, errors: [f64::NAN; _], held: Vec::new(), ..named })
+    Some(Finding { tied, gain: named.gain, ..Finding::of_z(Effect::new(delay, &[age_s]), named.z) })
 }
 
 /// Whether an effect makes the drive late.

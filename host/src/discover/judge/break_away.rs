@@ -79,7 +79,7 @@ pub(super) fn stiction(form: &WeakForm<'_>, own: &Judged, random_u: f64, setting
     if !(departures.low.z() >= settings.least_z(RESOLVED.len() as f64) && departures.low.mean > known_u) {
         return None;
     }
-    let mut finding = Finding::at_rest(Effect::new(Kind::Stiction, &[departures.level.mean]), departures.low.z());
+    let mut finding = Finding::of_z(Effect::new(Kind::Stiction, &[departures.level.mean]), departures.low.z());
     finding.errors[0] = departures.level.error;
     let by_load = Name::Effect(Kind::LoadFriction);
     let moving = own.rounds.last().into_iter().flat_map(|round| &round.tried);

@@ -105,8 +105,8 @@ fn energies_left(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -> Vec<
 }
 
 impl Finding {
-    /// An effect that the axis shows at rest. It has no gain, because no window tells it.
-    pub(super) fn at_rest(effect: Effect<f64>, z: f64) -> Self {
+    /// An effect of which this z alone is known. It has no gain, no errors and no ties.
+    pub(in crate::discover) fn of_z(effect: Effect<f64>, z: f64) -> Self {
         Self {
             effect,
             errors: [f64::NAN; _],
@@ -124,7 +124,7 @@ impl Finding {
 impl Finding {
     /// A finding of an effect, of which nothing else is known.
     pub(crate) fn of(kind: Kind) -> Self {
-        Self { gain: 1.0, ..Self::at_rest(Effect::new(kind, &[1.0]), 9.0) }
+        Self { gain: 1.0, ..Self::of_z(Effect::new(kind, &[1.0]), 9.0) }
     }
 }
 
