@@ -1,8 +1,8 @@
 //! The age of held readings: how much later than the position the drive is written.
 //!
-//! A sensor with a clock of its own gives a position that is up to one interval old. A bus adds its own time. No delay
-//! of the machine within these intervals can be told from that age. So the age is found first, and belongs to the
-//! recordings.
+//! A sensor with a clock of its own gives a position that is up to one interval old. A bus adds its own time. The drive is
+//! exact only beside a position of its own age, so the age is found before anything else. Whether it is so long that it
+//! delays the loop is decided later (`clock.rs`).
 
 use super::dataset::Dataset;
 use super::regression::rms;
