@@ -1,8 +1,11 @@
 //! What is said on standard error beside the results: warnings, and with `-v` what is being done.
 
 use std::fmt::Display;
+use std::mem::Discriminant;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+use crate::recording::Warning;
 
 /// How much is said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +23,12 @@ static VERBOSITY: AtomicU8 = AtomicU8::new(Verbosity::Normal as u8);
 
 /// Beside it: what was doubtful in this run.
 static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Kinds of the warnings about files so far.
+static OF_A_KIND: Mutex<Vec<Discriminant<Warning>>> = Mutex::new(Vec::new());
+
+/// Warnings of one kind that are shown. A folder of recordings of one machine has the same fault in each.
+const SHOWN: usize = 3;
 
 /// Sets how much is said from now on.
 pub fn set(verbosity: Verbosity) {
@@ -55,6 +64,23 @@ pub fn warn(text: impl Display) {
     WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string());
     if !is(Verbosity::Quiet) {
         eprintln!("warning: {text}");
+    }
+}
+
+/// Says what is doubtful about one of many files. Of one `kind` the first [`SHOWN`] are shown, and all with `-v`.
+pub fn warn_of(kind: Discriminant<Warning>, text: impl Display) {
+    let mut counts = OF_A_KIND.lock().unwrap_or_else(PoisonError::into_inner);
+    let count = counts.iter().filter(|counted| **counted == kind).count();
+    counts.push(kind);
+    drop(counts);
+    match count + 1 {
+        _ if is(Verbosity::Verbose) => warn(text),
+        nth if nth < SHOWN => warn(text),
+        SHOWN => {
+            warn(&text);
+            note("further warnings of this kind are left out; -v shows them");
+        }
+        _ => WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string()),
     }
 }
 

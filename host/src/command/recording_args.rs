@@ -1,6 +1,7 @@
 //! The arguments of every command that reads recordings.
 
 use std::io::Read;
+use std::mem::discriminant;
 #[cfg(feature = "command")]
 use std::path::Path;
 use std::path::PathBuf;
@@ -119,7 +120,7 @@ impl RecordingArgs {
             recording.gaps.len()
         ));
         for warning in recording.warnings() {
-            console::warn(format_args!("{file}: {warning}"));
+            console::warn_of(discriminant(&warning), format_args!("{file}: {warning}"));
         }
         Ok((recording, hash))
     }

@@ -166,3 +166,29 @@ fn quiet_says_errors_alone_and_verbose_says_each_step() {
     assert_eq!(text(&missing.stderr), "error: no.csv: no such file; check the path\n");
     assert_eq!(breakaway(place, &["identify", "rec.csv", "-q", "-v"]).status.code(), Some(2));
 }
+
+/// Each of five recordings has a row that is written twice. Three warnings are shown, and that more are left out; all five
+/// with `-v`, and in the JSON document.
+#[test]
+fn of_many_like_warnings_three_are_shown() {
+    let folder = folder();
+    let place = folder.path();
+    let whole = fs::read_to_string(place.join("rec.csv")).unwrap();
+    let mut lines: Vec<&str> = whole.lines().collect();
+    lines.insert(1000, lines[1000]);
+    let files = ["1.csv", "2.csv", "3.csv", "4.csv", "5.csv"];
+    for file in files {
+        fs::write(place.join(file), lines.join("\n") + "\n").unwrap();
+    }
+    let run = |more: &[&str]| breakaway(place, &[&["identify"][..], &files, more].concat());
+    let warned = |run: &Output| text(&run.stderr).matches("warning: ").count();
+    let normal = run(&[]);
+    assert_eq!(warned(&normal), 3);
+    let left_out = "further warnings of this kind are left out; -v shows them\n";
+    assert!(text(&normal.stderr).contains(left_out), "{}", text(&normal.stderr));
+    assert_eq!(warned(&run(&["-v"])), 5);
+    let document = run(&["--json"]);
+    let remarks = result(&document)["remarks"].as_array().unwrap().len();
+    let of_the_files = text(&document.stdout).matches("the time stamp of the row before is repeated").count();
+    assert!(of_the_files == 5 && remarks >= 5, "{}", text(&document.stdout));
+}
