@@ -3,26 +3,42 @@
 use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use crate::chromium;
-use crate::cross::{self, Toolchain};
+use crate::cross;
 use crate::emulator;
 use crate::qemu;
 use crate::run::{cargo, run_within, succeeds};
 
+/// A part that the tests need: its name, and how it is fetched.
+type Part = (&'static str, fn() -> Result<()>);
+
 /// Fetches everything.
 pub fn all() -> Result<()> {
     components()?;
-    let qemu = qemu::program()?;
-    emulator::library()?;
-    cross::install_wasm()?;
-    chromium::program()?;
-    let whose = match cross::install()? {
-        Toolchain::Active => "the active",
-        Toolchain::Debian => "Debian's",
-    };
-    println!("ready: {whose} toolchain builds for the microcontrollers, {} runs the virtual board", qemu.display());
+    let parts: [Part; 5] = [
+        ("QEMU", || qemu::program().map(drop)),
+        ("Unicorn", || emulator::library().map(drop)),
+        ("the target of the page for the browser", cross::install_wasm),
+        ("Chromium", || chromium::program().map(drop)),
+        ("the microcontrollers' targets", || cross::install().map(drop)),
+    ];
+    fetched(&parts)?;
+    println!("ready: everything that the tests need is here");
+    Ok(())
+}
+
+/// Fetches all parts. One that cannot be had does not keep the others away.
+fn fetched(parts: &[Part]) -> Result<()> {
+    let mut missing = Vec::new();
+    for (name, fetch) in parts {
+        if let Err(error) = fetch() {
+            eprintln!("{name}: {error:#}");
+            missing.push(*name);
+        }
+    }
+    ensure!(missing.is_empty(), "not ready: {} could not be had; the other parts are here", missing.join(", "));
     Ok(())
 }
 
@@ -37,4 +53,27 @@ pub fn components() -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use anyhow::bail;
+
+    use super::fetched;
+
+    static FETCHED: AtomicUsize = AtomicUsize::new(0);
+
+    /// The second of three parts cannot be had. The third is fetched, and the message names the second.
+    #[test]
+    fn one_part_does_not_keep_the_others_away() {
+        let here = || {
+            FETCHED.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        };
+        let error = fetched(&[("a", here), ("b", || bail!("no Python")), ("c", here)]).unwrap_err();
+        assert_eq!(FETCHED.load(Ordering::Relaxed), 2);
+        assert_eq!(error.to_string(), "not ready: b could not be had; the other parts are here");
+    }
 }
