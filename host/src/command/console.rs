@@ -69,18 +69,15 @@ pub fn warn(text: impl Display) {
 
 /// Says what is doubtful about one of many files. Of one `kind` the first [`SHOWN`] are shown, and all with `-v`.
 pub fn warn_of(kind: Discriminant<Warning>, text: impl Display) {
-    let mut counts = OF_A_KIND.lock().unwrap_or_else(PoisonError::into_inner);
-    let count = counts.iter().filter(|counted| **counted == kind).count();
-    counts.push(kind);
-    drop(counts);
-    match count + 1 {
-        _ if is(Verbosity::Verbose) => warn(text),
-        nth if nth < SHOWN => warn(text),
-        SHOWN => {
-            warn(&text);
-            note("further warnings of this kind are left out; -v shows them");
-        }
-        _ => WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string()),
+    let mut kinds = OF_A_KIND.lock().unwrap_or_else(PoisonError::into_inner);
+    let before = kinds.iter().filter(|known| **known == kind).count();
+    kinds.push(kind);
+    if before < SHOWN || is(Verbosity::Verbose) {
+        return warn(text);
+    }
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string());
+    if before == SHOWN {
+        note("further warnings of this kind are left out; -v shows them");
     }
 }
 

@@ -189,6 +189,9 @@ fn of_many_like_warnings_three_are_shown() {
     let left_out = "further warnings of this kind are left out; -v shows them\n";
     assert!(text(&normal.stderr).contains(left_out), "{}", text(&normal.stderr));
     assert_eq!(warned(&run(&["-v"])), 5);
+    // Of three none is left out.
+    let three = breakaway(place, &[&["identify"][..], &files[..3]].concat());
+    assert!(warned(&three) == 3 && !text(&three.stderr).contains(left_out), "{}", text(&three.stderr));
     let document = run(&["--json"]);
     let remarks = result(&document)["remarks"].as_array().unwrap().len();
     let of_the_files = text(&document.stdout).matches("the time stamp of the row before is repeated").count();
