@@ -37,7 +37,7 @@ pub(super) fn clocked(request: &Request, settings: &Settings) -> Clocked {
     };
     let own = of(aged(&request.recordings, &fresh), aged(&request.holdout, &fresh_holdout));
     let [seen, seen_holdout] =
-        [fresh, fresh_holdout].map(|all| all.iter().map(Recording::seen_by_rows).collect::<Vec<_>>());
+        [fresh, fresh_holdout].map(|all| all.into_iter().map(Recording::seen_by_rows).collect::<Vec<_>>());
     let rows_s = seen.iter().map(Recording::unsure_s).fold(0.0, f64::max);
     Clocked { request: own, age_s: Some(age_s), as_seen: (age_s > rows_s).then(|| of(seen, seen_holdout)) }
 }

@@ -28,10 +28,9 @@ impl Recording {
         }
     }
 
-    /// The drive of each row as [`refreshed`](Self::refreshed) has it, and readings that are no older than the rows in which they were
-    /// seen. A longer delay is then one of the loop, be it in the drive or on the way of the reading.
-    pub fn seen_by_rows(&self) -> Self {
-        Self { read_every_s: self.seen_every_s, ..self.clone() }
+    /// The [`refreshed`](Self::refreshed) recording, with readings that are no older than the rows in which they were seen. A longer delay is then one of the loop, be it in the drive or on the way of the reading.
+    pub fn seen_by_rows(self) -> Self {
+        Self { read_every_s: self.seen_every_s, ..self }
     }
 
     /// Recordings of one sensor, each [`refreshed`](Self::refreshed). A recording that is too slow to tell its refresh has that of
@@ -157,7 +156,7 @@ mod tests {
         let together = Recording::refreshed_together(&[swing.clone(), creep]);
         assert!(together[1].read_every_s.is_some_and(|period_s| (period_s / 0.02 - 1.0).abs() < 0.02));
         // A delay of two rows may be that of the readings. By the rows it is one of the loop.
-        assert!(together[1].unsure_s() > 0.01 && together[1].seen_by_rows().unsure_s() < 0.01);
+        assert!(together[1].unsure_s() > 0.01 && together[1].clone().seen_by_rows().unsure_s() < 0.01);
         let mut own = swing.clone();
         own.x = (0..4000).map(|k| 1e-6 * (k as f64).sin()).collect();
         assert_eq!(Recording::refreshed_together(&[swing, own.clone()])[1], own);
