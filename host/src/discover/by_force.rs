@@ -41,8 +41,13 @@ pub(super) fn found(
     let simulated = |ruling: &Ruling| {
         if ruling.findings.is_empty() { (base.clone(), None) } else { simulated(data, base, ruling, rotary) }
     };
+    // Where the model without the names in question is off by a tooth, the names are compared beside what repeats over position.
     let withdrawn = |ruling: &Ruling, ladder: &[Rung], fit: &Fit| {
-        contradicted(ruling, ladder).filter(|_| !follows(data, base, fit))
+        contradicted(ruling, ladder).filter(|_| !follows(data, base, fit)).filter(|_| {
+            let Some(repeating) = ruling.repeating() else { return true };
+            let without = simulated(&repeating).0;
+            !follows(data, &without, fit) && contradicted(ruling, &[rung(data, &without), rung(data, fit)]).is_some()
+        })
     };
     let (ruling, (fit, of_forces)) = forward_selection(ruling, simulated, |own, (fit, _), (best, _)| {
         // What would be withdrawn must not take the names of the forces with it.
@@ -70,7 +75,7 @@ pub(super) fn found(
     }
     if let Some(reason) = withdrawn(&ruling, &ladder, &fit) {
         remarks.push(reason);
-        let doubted = Ruling { findings: Vec::new(), seen: Vec::new(), ..ruling.clone() };
+        let doubted = ruling.repeating().unwrap_or_else(|| ruling.naming_nothing());
         let (mut found, _) = self::found(request, units, &doubted, progress)?;
         found.remarks.extend(remarks);
         if ruling.explains_of_the_drive() > Settings::default().predictable {

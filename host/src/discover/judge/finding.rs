@@ -23,7 +23,8 @@ pub struct Finding {
     pub own_zeros: bool,
     /// Effects that these recordings do not tell from it. The number is the finding's lead, in standard deviations.
     pub tied: Vec<(Kind, f64)>,
-    /// Its share of the energy of the gap, if that is less than [`MATERIAL`]; `None` where it carries more.
+    /// Its share of the energy of the gap, if that is less than [`MATERIAL`], and less than [`OF_WHAT_IS_LEFT`] of what the
+    /// names before it leave; `None` where it explains more.
     pub small_share: Option<f64>,
     /// Gain of the side that gains less, nats, and its z over blocks.
     pub gain: f64,
@@ -35,7 +36,11 @@ pub struct Finding {
 /// An effect below it is seen, and is not what is missing.
 const MATERIAL: f64 = 0.1;
 
-/// What a name after the first needs, beside [`MATERIAL`].
+/// Share of the energy that the names before it leave. A name that explains so much is material, however little that is of the
+/// whole gap.
+const OF_WHAT_IS_LEFT: f64 = 0.5;
+
+/// What a name after the first needs, where it carries less than [`MATERIAL`] and explains less than [`OF_WHAT_IS_LEFT`].
 struct Complete {
     /// Share of the drive that it must predict.
     of_the_drive: f64,
@@ -66,7 +71,8 @@ pub(super) fn findings(form: &WeakForm<'_>, own: &Judged, settings: &Settings) -
         let share = (left[index] - left[index + 1]).max(0.0);
         let of_the_drive = share.sqrt() * own.residual[0][0];
         let material = complete.as_ref().is_some_and(|least| least.names(of_the_drive, evidence.gain()));
-        let small_share = (share < MATERIAL && !findings.is_empty()).then_some(share);
+        let little = share < MATERIAL && 1.0 - (-2.0 * evidence.gain()).exp() < OF_WHAT_IS_LEFT;
+        let small_share = (little && !findings.is_empty()).then_some(share);
         // A delay shorter than the interval at which the position is read belongs to the sensor's clock, and is no
         // name.
         if term.drive.is_some_and(|arrival| arrival.time_s().is_some_and(|time_s| time_s < form.dataset.unsure_s)) {

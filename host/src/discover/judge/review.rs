@@ -11,7 +11,7 @@ use super::outcome::tied;
 use super::search::{Bearing, Stage};
 use super::sides::Model;
 use super::term::Name;
-use super::tried::{Tried, best_of_each};
+use super::tried::{Tried, best_of_each, rank};
 
 /// Share of an effect's gain from which a rival is near enough for its parameters to be sought.
 const NEAR: f64 = 0.5;
@@ -29,6 +29,7 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
             (stage, j, dropped) = (beside, 0, true);
             continue;
         };
+        let tried = with_zeros(&beside, tried);
         let before: Vec<Kind> = bearings[j].tied.iter().map(|(kind, _)| *kind).collect();
         let rivals = rivals(&beside, own, &before, tried.gain);
         let as_well: Vec<&Tried> = tied(&tried, &rivals, &before, stage.settings).collect();
@@ -43,7 +44,7 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
         let others = as_well.iter().copied().chain([&tried]).filter(|other| kind(other) != kind(named));
         let others = others.filter_map(|other| Some((kind(other)?, named.better_than(other))));
         bearings[j].tied = others.filter(|(_, lead)| *lead < tie_z).collect();
-        if kind(named) != Some(own) {
+        if kind(named) != Some(own) || named.terms[0].own_zeros != stage.model.terms[j].own_zeros {
             bearings[j].evidence = named.evidence[0];
             let mut model = stage.model.clone();
             model.terms[j] = named.terms[0].clone();
@@ -84,6 +85,19 @@ fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
     let terms = stage.model.terms.iter().enumerate().filter(|(i, _)| *i != j);
     let model = Model { terms: terms.map(|(_, term)| term.clone()).collect() };
     Stage::new(stage.form, stage.settings, model, &stage.weights)
+}
+
+/// The better of a law of the position and the same law with the other choice of zeros: one for all recordings, or one for
+/// each. The search chose beside fewer terms, where what was missing hid the zeros (hidden plant, unkind world, seed 8866).
+fn with_zeros(beside: &Stage<'_>, tried: Tried) -> Tried {
+    let library = beside.library();
+    let (own, zeros) = (kind(&tried), tried.terms[0].own_zeros);
+    let others = library.of_effects(|other| Some(other) == own).into_par_iter().filter(|term| term.own_zeros != zeros);
+    let mut others: Vec<Tried> = others.filter_map(|term| beside.weighed(term, &Bar::OPEN)).collect();
+    others.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
+    let Some(other) = others.into_iter().next() else { return tried };
+    let other = beside.tuned(&library, other);
+    best_of_each(vec![tried, other], beside.settings).swap_remove(0)
 }
 
 /// The effects that may be confused with `own`, and those that did as well `before`. Each is tried beside the other

@@ -127,6 +127,18 @@ impl Ruling {
         let seen = self.seen.iter().cloned().chain(small.iter().cloned()).collect();
         (!small.is_empty()).then(|| Self { findings, seen, ..self.clone() })
     }
+    /// The ruling with the names alone that repeat over position; `None` where none does, or where all do.
+    pub fn repeating(&self) -> Option<Self> {
+        let repeats = |finding: &&Finding| finding.effect.kind.periodic_in_position();
+        let findings: Vec<Finding> = self.findings.iter().filter(repeats).cloned().collect();
+        let some = (1..self.findings.len()).contains(&findings.len());
+        some.then(|| Self { findings, ..self.naming_nothing() })
+    }
+    /// The ruling without its names.
+    #[must_use]
+    pub fn naming_nothing(&self) -> Self {
+        Self { findings: Vec::new(), seen: Vec::new(), ..self.clone() }
+    }
     /// Rulings with one of the effects that are seen named.
     pub fn with_each_seen(&self) -> Vec<Self> {
         let with = |named: usize| {

@@ -22,6 +22,9 @@ const SAME_RAD: f64 = 0.05;
 /// Most places that are tried: of waves whose numbers are a thousandfold apart, all of them. Beyond that only places near
 /// the present zero are, so that the search ends for any wave number.
 const MOST_PLACES: f64 = 40_000.0;
+/// Longest waves about the place of a spring's rest in which places are tried. The rest alone is told by the mean of what
+/// the waves leave, so it may be a wave off; all laws together tell the place.
+const WAVES_ABOUT_REST: f64 = 5.0;
 /// Golden sections that refine the best place to a thousandth of a step.
 const SECTIONS: usize = 14;
 
@@ -131,9 +134,12 @@ impl PositionLaws {
         (!laws.is_empty()).then_some(Self { laws, others, wave_numbers: range })
     }
 
-    /// The shortest distance to the same place of the longest wave.
+    /// The shortest distance to the same place of the longest wave. A spring has one place of rest, so beside it no other
+    /// place is the same.
     fn nearest(&self, distance: f64) -> f64 {
-        self.wave_numbers.map_or(distance, |[k, _]| (k * distance + PI).rem_euclid(TAU) / k - PI / k)
+        let spring = self.laws.iter().any(|law| matches!(law, PositionLaw::Spring { .. }));
+        let wave_number = self.wave_numbers.map(|[least, _]| least).filter(|_| !spring);
+        wave_number.map_or(distance, |k| (k * distance + PI).rem_euclid(TAU) / k - PI / k)
     }
 
     /// The place of the laws that fits the forces of one recording best, position units. `None` where the recording moves
@@ -154,10 +160,12 @@ impl PositionLaws {
             let factors = DVector::from_vec(factors);
             factors.dot(&(&products * &factors)) - 2.0 * factors.dot(&with_left)
         };
-        let about = self.place_of_rest(&products, &with_left).unwrap_or(0.0);
+        let rest = self.place_of_rest(&products, &with_left);
+        let about = rest.unwrap_or(0.0);
         let Some([longest, shortest]) = self.wave_numbers else { return Some(about) };
         let step = TAU / (shortest * PLACES);
-        let count = (TAU / longest / step).ceil().clamp(1.0, MOST_PLACES);
+        let waves = if rest.is_some() { WAVES_ABOUT_REST } else { 1.0 };
+        let count = (waves * TAU / longest / step).ceil().clamp(1.0, MOST_PLACES);
         let places = (0..count as usize).map(|i| about + (i as f64 - 0.5 * count) * step);
         let best = places.min_by(|a, b| misses(*a).total_cmp(&misses(*b)))?;
         Some(golden_section([best - step, best + step], SECTIONS, misses))
