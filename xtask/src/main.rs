@@ -11,6 +11,7 @@ mod chromium;
 mod cross;
 mod debian;
 mod emulator;
+mod environment;
 mod export;
 mod fleet;
 mod fuzz;

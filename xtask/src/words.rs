@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::cross::target_folder;
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::report::Report;
 use crate::run::{answer, cargo, root, run, succeeds};
 
