@@ -21,6 +21,15 @@ fn workflow_checker() -> Result<PathBuf> {
     program("check-jsonschema")
 }
 
+/// Sees to it that both are there.
+///
+/// # Errors
+/// No Python, or no PyPI; with what to install.
+pub fn programs() -> Result<()> {
+    typos()?;
+    workflow_checker().map(drop)
+}
+
 fn program(name: &str) -> Result<PathBuf> {
     if succeeds(Command::new(name).arg("--version")) {
         return Ok(name.into());
