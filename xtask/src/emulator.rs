@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use crate::cross::{self, Toolchain, target_folder};
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::run::{cargo, root, run};
 
 /// Names another library; the tests read it too.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use crate::cross::target_folder;
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::run::{cargo, root, run};
 
 /// The Python that has them, in the target folder, where the tests look for it.

@@ -14,8 +14,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::cross::target_folder;
+use crate::environment::environment;
 use crate::python;
-use crate::run::{answer, root, run, run_within};
+use crate::run::{answer, root, run_within};
 
 /// Everything together takes half a minute; what takes ten has hung.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -120,22 +121,6 @@ pub fn test() -> Result<()> {
         began.elapsed().as_secs_f64()
     );
     Ok(())
-}
-
-/// A Python with what the file of requirements pins.
-pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
-    let wanted = fs::read_to_string(requirements).with_context(|| requirements.display().to_string())?;
-    let (python, installed) = (folder.join("bin/python"), folder.join("installed.txt"));
-    if fs::read_to_string(&installed).is_ok_and(|installed| installed == wanted) {
-        return Ok(python);
-    }
-    run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
-        .context("this needs Python 3.10 or later with venv (`apt-get install python3-venv`)")?;
-    let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(requirements);
-    run_within(&mut install, LIMIT).context("this needs PyPI")?;
-    fs::write(&installed, wanted)?;
-    Ok(python)
 }
 
 /// What `look` finds before the process ends.

@@ -13,7 +13,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 use crate::cross::target_folder;
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::run::{cargo, root, run};
 
 /// Rows of the recording: eight seconds.

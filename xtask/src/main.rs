@@ -11,6 +11,7 @@ mod chromium;
 mod cross;
 mod debian;
 mod emulator;
+mod environment;
 mod export;
 mod fleet;
 mod fuzz;
@@ -44,7 +45,8 @@ enum Task {
     /// tests, what could not be run here, and `N passed, N failed`
     Test,
     /// Fetch what `test` needs beyond rustup's stable toolchain. rustfmt, clippy and the microcontrollers' targets
-    /// come from rustup. QEMU comes from Debian's packages, unpacked under the target folder; root is not needed
+    /// come from rustup. Where they are missing, QEMU, Chromium and Python come from Debian's packages, unpacked under
+    /// the target folder; root is not needed
     Setup,
     /// Build the virtual board's firmware, for `breakaway virtual-board`, and fetch QEMU if it is missing
     Image,

@@ -8,8 +8,12 @@ use anyhow::{Context, Result, ensure};
 use crate::chromium;
 use crate::cross;
 use crate::emulator;
+use crate::export;
+use crate::python;
 use crate::qemu;
+use crate::rp2350;
 use crate::run::{cargo, run_within, succeeds};
+use crate::words;
 
 /// A part that the tests need: its name, and how it is fetched.
 type Part = (&'static str, fn() -> Result<()>);
@@ -17,9 +21,13 @@ type Part = (&'static str, fn() -> Result<()>);
 /// Fetches everything.
 pub fn all() -> Result<()> {
     components()?;
-    let parts: [Part; 5] = [
+    let parts: [Part; 9] = [
+        ("typos and check-jsonschema", words::programs),
         ("QEMU", || qemu::program().map(drop)),
-        ("Unicorn", || emulator::library().map(drop)),
+        ("Unicorn", emulator::library),
+        ("the emulator of the Pico 2", || rp2350::emulator().map(drop)),
+        ("MuJoCo", || export::python().map(drop)),
+        ("what builds and tests the wheel", || python::environments().map(drop)),
         ("the target of the page for the browser", cross::install_wasm),
         ("Chromium", || chromium::program().map(drop)),
         ("the microcontrollers' targets", || cross::install().map(drop)),

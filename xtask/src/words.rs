@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::cross::target_folder;
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::report::Report;
 use crate::run::{answer, cargo, root, run, succeeds};
 
@@ -19,6 +19,15 @@ fn typos() -> Result<PathBuf> {
 /// The program that compares a workflow with the schema that it carries along: as [`typos`].
 fn workflow_checker() -> Result<PathBuf> {
     program("check-jsonschema")
+}
+
+/// Sees to it that both are there.
+///
+/// # Errors
+/// No Python, or no PyPI; with what to install.
+pub fn programs() -> Result<()> {
+    typos()?;
+    workflow_checker().map(drop)
 }
 
 fn program(name: &str) -> Result<PathBuf> {

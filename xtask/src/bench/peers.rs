@@ -10,8 +10,9 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::cross::{self, target_folder};
+use crate::environment::environment;
 use crate::run::{answer, cargo, root, run};
-use crate::{budget, fleet, qemu};
+use crate::{budget, qemu};
 
 const PAGE: &str = "docs/benchmarks.md";
 const TEMPLATE: &str = "bench/peers/page.md";
@@ -101,7 +102,7 @@ impl Bench {
     /// The peers' Python environment and our programs.
     fn new(folder: PathBuf) -> Result<Self> {
         let requirements = root().join("bench/peers/requirements.txt");
-        let python = fleet::environment(&target_folder().join("peers-venv"), &requirements)?;
+        let python = environment(&target_folder().join("peers-venv"), &requirements)?;
         run(&mut cargo(["build", "--release", "-p", "breakaway-bench", "-p", "breakaway-hidden", "--bins"]))?;
         run(&mut cargo([
             "build",

@@ -39,22 +39,33 @@ impl Apt {
     /// Downloads packages with what they need and the system does not have; their files.
     ///
     /// They may not fit beside the installed packages, because another version of a dependency is there. Then all
-    /// dependencies are downloaded, as for an empty system.
+    /// dependencies are downloaded, as by [`Apt::download_whole`].
     ///
     /// # Errors
     /// They are in none of the sources, or no server answers.
     pub fn download(&self, packages: &[&str]) -> Result<Vec<PathBuf>> {
+        self.beside(STATUS.as_ref(), packages).or_else(|error| {
+            println!("{error:#}: once more, with all that they need");
+            self.download_whole(packages)
+        })
+    }
+
+    /// Downloads packages with all that they need, as for an empty system; their files.
+    ///
+    /// # Errors
+    /// As [`Apt::download`].
+    pub fn download_whole(&self, packages: &[&str]) -> Result<Vec<PathBuf>> {
+        self.beside(&self.nothing(), packages)
+    }
+
+    /// Downloads what is to be installed beside that which a status file names.
+    fn beside(&self, status: &Path, packages: &[&str]) -> Result<Vec<PathBuf>> {
         let archives = self.folder.join("cache/archives");
         if archives.exists() {
             fs::remove_dir_all(&archives)?;
         }
         fs::create_dir_all(archives.join("partial"))?;
-        let install =
-            |status: &Path| run(self.get(status).args(["install", "--download-only", "--no-remove"]).args(packages));
-        if let Err(error) = install(STATUS.as_ref()) {
-            println!("{error:#}: once more, with all that they need");
-            install(&self.nothing())?;
-        }
+        run(self.get(status).args(["install", "--download-only", "--no-remove"]).args(packages))?;
         let files = fs::read_dir(&archives)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
         let mut files: Vec<PathBuf> =
             files.into_iter().filter(|file| file.extension().is_some_and(|kind| kind == "deb")).collect();

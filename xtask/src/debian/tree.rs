@@ -1,9 +1,9 @@
-//! Packages that are unpacked beside each other, and scripts that start their programs where they are.
+//! Packages that are unpacked beside each other.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result, ensure};
 
@@ -13,16 +13,25 @@ use crate::cross::target_folder;
 /// Levels of folders in which libraries are sought. PulseAudio keeps a private one in a folder of its own, below that of
 /// the machine's kind.
 const LEVELS: u32 = 2;
+/// Held by whoever uses apt-get's one folder: two threads may unpack at once.
+static APT: Mutex<()> = Mutex::new(());
 
 /// A tree of unpacked packages, `debian/NAME` in the target folder.
 pub struct Tree {
-    root: PathBuf,
+    pub(super) root: PathBuf,
+    /// Whether it needs nothing of the system.
+    pub(super) whole: bool,
 }
 
 impl Tree {
     /// The tree of this name, whether it is there or not.
     pub fn named(name: &str) -> Self {
-        Self { root: folder().join(name) }
+        Self { root: folder().join(name), whole: false }
+    }
+
+    /// As [`Tree::named`], but with all that its packages need, the C library too.
+    pub fn whole(name: &str) -> Self {
+        Self { whole: true, ..Self::named(name) }
     }
 
     /// Whether it has been unpacked.
@@ -30,13 +39,16 @@ impl Tree {
         self.root.is_dir()
     }
 
-    /// Downloads the packages with what they need and the system lacks, and unpacks them in place of what was there.
+    /// Downloads the packages with what they need and, unless the tree is [whole](Tree::whole), the system lacks. They
+    /// are unpacked in place of what was there.
     ///
     /// # Errors
     /// See [`Apt::new`] and [`Apt::download`]; a package that dpkg-deb cannot read.
     pub fn unpack(&self, packages: &[&str]) -> Result<()> {
-        let apt = folder().join("apt");
-        let files = Apt::new(&apt)?.download(packages)?;
+        let _held = APT.lock().unwrap_or_else(PoisonError::into_inner);
+        let folder = folder().join("apt");
+        let apt = Apt::new(&folder)?;
+        let files = if self.whole { apt.download_whole(packages)? } else { apt.download(packages)? };
         // Beside, then renamed: a tree that is there is whole.
         let beside = self.root.with_extension("new");
         remove(&beside)?;
@@ -49,37 +61,7 @@ impl Tree {
         }
         remove(&self.root)?;
         fs::rename(&beside, &self.root)?;
-        remove(&apt)
-    }
-
-    /// Writes a script that starts a program of the tree with its libraries.
-    ///
-    /// # Errors
-    /// The script cannot be written.
-    pub fn script(&self, program: &str, arguments: &[&str], at: &Path) -> Result<()> {
-        let mut text =
-            format!("#!/bin/sh\n# Written by `cargo xtask`: {program} of Debian's packages, not installed.\n");
-        let libraries: Vec<String> = self.libraries().iter().map(|folder| folder.display().to_string()).collect();
-        let libraries = quoted(&libraries.join(":"));
-        let mut line = if let Some(loader) = self.loader() {
-            // The C library of the tree goes with the loader of the tree alone.
-            format!("exec {} --library-path {libraries}", quoted(&loader.display().to_string()))
-        } else {
-            writeln!(text, "export LD_LIBRARY_PATH={libraries}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}")?;
-            "exec".to_owned()
-        };
-        for word in [self.path(program).display().to_string().as_str()].iter().chain(arguments) {
-            write!(line, " {}", quoted(word))?;
-        }
-        writeln!(text, "{line} \"$@\"")?;
-        if let Some(folder) = at.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        // Beside, then renamed: it may be running.
-        let beside = at.with_extension("new");
-        fs::write(&beside, text).with_context(|| beside.display().to_string())?;
-        executable(&beside)?;
-        fs::rename(&beside, at).with_context(|| at.display().to_string())
+        remove(&folder)
     }
 
     /// A file or folder of the tree.
@@ -88,7 +70,7 @@ impl Tree {
     }
 
     /// The folders with shared libraries: `lib` and `usr/lib`, and [`LEVELS`] below.
-    fn libraries(&self) -> Vec<PathBuf> {
+    pub(super) fn libraries(&self) -> Vec<PathBuf> {
         let mut found = Vec::new();
         for folder in ["usr/lib", "lib"] {
             with_libraries(&self.path(folder), LEVELS, &mut found);
@@ -96,11 +78,11 @@ impl Tree {
         found
     }
 
-    /// The loader of the C library, if that is in the tree.
-    fn loader(&self) -> Option<PathBuf> {
-        let folders = ["lib64", "lib", "usr/lib64", "usr/lib"].map(|folder| self.path(folder));
-        let mut files = folders.into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
-        files.find(|file| file.file_name().to_string_lossy().starts_with("ld-linux")).map(|file| file.path())
+    /// The loader of the C library, if that is in the tree. In lib64 there may be a link that leads to the system's.
+    pub(super) fn loader(&self) -> Option<PathBuf> {
+        let mut files = self.libraries().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
+        let found = files.find(|file| file.file_name().to_string_lossy().starts_with("ld-linux"))?;
+        Some(found.path())
     }
 }
 
@@ -132,22 +114,6 @@ fn remove(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// As one word of a shell.
-fn quoted(word: &str) -> String {
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
-#[cfg(unix)]
-fn executable(file: &Path) -> Result<()> {
-    use std::os::unix::fs::PermissionsExt as _;
-    Ok(fs::set_permissions(file, fs::Permissions::from_mode(0o755))?)
-}
-
-#[cfg(not(unix))]
-fn executable(_: &Path) -> Result<()> {
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,8 +128,27 @@ mod tests {
             fs::write(folder.join("libpulse.so.0"), "").unwrap();
         }
         fs::create_dir_all(root.join("usr/lib/empty")).unwrap();
-        let found = Tree { root: root.clone() }.libraries();
+        let found = Tree { root: root.clone(), whole: false }.libraries();
         fs::remove_dir_all(root).unwrap();
         assert_eq!(found, folders);
+    }
+
+    /// The link in lib64 leads out of the tree, to the system's loader.
+    #[cfg(unix)]
+    #[test]
+    fn the_loader_is_that_of_the_tree() {
+        let root = std::env::temp_dir().join(format!("breakaway-loader-{}", std::process::id()));
+        let loader = root.join("lib/x86_64-linux-gnu/ld-linux-x86-64.so.2");
+        fs::create_dir_all(loader.parent().unwrap()).unwrap();
+        fs::create_dir_all(root.join("lib64")).unwrap();
+        let link = root.join("lib64/ld-linux-x86-64.so.2");
+        std::os::unix::fs::symlink("/lib/x86_64-linux-gnu/ld-linux-x86-64.so.2", link).unwrap();
+        let tree = Tree { root: root.clone(), whole: true };
+        fs::write(loader.with_file_name("libc.so.6"), "").unwrap();
+        let without = tree.loader();
+        fs::write(&loader, "").unwrap();
+        let found = tree.loader();
+        fs::remove_dir_all(root).unwrap();
+        assert_eq!((without, found), (None, Some(loader)));
     }
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow, ensure};
 
 use crate::cross::target_folder;
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::lint::linted;
 use crate::report::Tests;
 use crate::run::{cargo, once, root, run, run_counting, run_within};

@@ -11,7 +11,7 @@ use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, ObjectSymbol, SymbolKind, elf};
 
 use crate::cross::{self, Toolchain};
-use crate::fleet::environment;
+use crate::environment::environment;
 use crate::run::{root, run};
 
 /// Where the flash is.
