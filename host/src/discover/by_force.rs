@@ -6,7 +6,7 @@ use breakaway_core::plant::Effect;
 use super::candidate_rows;
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Request, assembled, prepared};
-use super::following::{contradicted, follows, follows_for_longer, off_by_a_tooth, open_loop};
+use super::following::{contradicted, follows, follows_for_longer, off_by_a_tooth, open_loop, told};
 use super::judge::finding::Finding;
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
@@ -52,7 +52,7 @@ pub(super) fn found(
     let (ruling, (fit, of_forces)) = forward_selection(ruling, simulated, |own, (fit, _), (best, _)| {
         // What would be withdrawn must not take the names of the forces with it.
         let stays = || withdrawn(own, &[rung(data, base), rung(data, fit)], fit).is_none();
-        let better = follows(data, best, fit) || follows_for_longer(data, best, fit);
+        let better = follows(data, best, fit) || follows_for_longer(data, best, fit) || told(data, best, fit);
         (better && stays()).then(|| open_loop(data, fit))
     });
     let mut remarks: Vec<String> = ruling.seen.iter().map(|own| seen(own, units)).collect();

@@ -9,6 +9,7 @@ use super::judge::reading_age::reading_age_s;
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
 use super::ruled::Ruled;
+use crate::fit::Candidate;
 use crate::recording::Recording;
 
 /// A request with one row for each reading of the sensor.
@@ -42,18 +43,15 @@ pub(super) fn clocked(request: &Request, settings: &Settings) -> Clocked {
     Clocked { request: own, age_s: Some(age_s), as_seen: (age_s > rows_s).then(|| of(seen, seen_holdout)) }
 }
 
-/// A request and its ruling with the delay of the loop, if the judge names one in the recordings `as_seen`. The other names
-/// stay those of `by_clock`, where the drive is exact. The request has the drive as it was seen.
+/// A request and its ruling with the delay of the loop, if the judge names one in the recordings `as_seen`. A delay may only
+/// show beside the other names, so the judge is asked without them first, and then beside them. The other names stay those of
+/// `by_clock`, where the drive is exact. The request has the drive as it was seen.
 pub(super) fn with_delay(
     by_clock: &Ruled,
     as_seen: Request,
-    rule: impl Fn(&[Recording]) -> Option<Ruling>,
+    rule: impl Fn(&[Recording], Option<&Candidate>) -> Option<Ruling>,
 ) -> Option<(Request, Ruling)> {
     let mut ruling = by_clock.ruling.clone()?;
-    let named = rule(&as_seen.recordings)?.findings.into_iter().find(|own| is_late(own.effect.kind))?;
-    let delay = of_age(&named, by_clock.age_s?)?;
-    ruling.findings.retain(|own| !is_late(own.effect.kind));
-    ruling.findings.push(delay);
     // The positions may have been moved to one zero.
     let at_zero = |seen: Vec<Recording>, moved: &[Recording]| -> Vec<Recording> {
         seen.into_iter().zip(moved).map(|(seen, moved)| Recording { x: moved.x.clone(), ..seen }).collect()
@@ -61,6 +59,15 @@ pub(super) fn with_delay(
     let Request { recordings, holdout, .. } = as_seen;
     let moved = &by_clock.request;
     let recordings = at_zero(recordings, &moved.recordings);
+    ruling.findings.retain(|own| !is_late(own.effect.kind));
+    let late = |ruling: Ruling| ruling.findings.into_iter().find(|own| is_late(own.effect.kind));
+    let beside = || {
+        let effects: Vec<Effect<f64>> = ruling.findings.iter().map(|own| own.effect).collect();
+        let names = (!effects.is_empty()).then_some(Candidate { base: ruling.base, effects })?;
+        rule(&recordings, Some(&names)).and_then(late)
+    };
+    let named = rule(&recordings, None).and_then(late).or_else(beside)?;
+    ruling.findings.push(of_age(&named, by_clock.age_s?)?);
     let holdout = at_zero(holdout, &moved.holdout);
     Some((Request { recordings, holdout, ..moved.clone() }, ruling))
 }

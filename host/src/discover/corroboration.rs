@@ -9,6 +9,7 @@ use super::force_residual;
 use super::judge::library::tells;
 use super::judge::ruling::{Candidacy, Ruling};
 use super::judge::settings::Settings;
+use super::judge::term::Name;
 use super::outcome::Discovery;
 
 /// Held-out simulation error, over the sensor's noise, below which a model is near that noise.
@@ -61,10 +62,13 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
         || Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
 
-/// Whether the measured forces gave each of the `names` of the simulated motion too. Their own names must have been taken
-/// back, so that none is left `before`. Then the search found a better fit of the same names, and no third witness is needed.
+/// Whether the measured forces gave each of the `names` of the simulated motion too: they named it, or it predicts best what
+/// they leave. No name may be left `before`. Then the search found a fit of the same names, and no third witness is needed.
 fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
-    let of_forces = |kind: &Kind| ruling.findings.iter().any(|finding| finding.effect.kind == *kind);
+    let of_forces = |kind: &Kind| {
+        ruling.findings.iter().any(|finding| finding.effect.kind == *kind)
+            || ruling.remainder.predictable == Some(Name::Effect(*kind))
+    };
     before.is_empty() && names.iter().all(of_forces)
 }
 

@@ -183,7 +183,7 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let weighed = found.over_noise() > AT_THE_NOISE && (far || ruling.shaken()) && !taken_back;
     let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
     let shaken = ruling.shaken();
-    let open = |kind: Kind| ruling.supports(kind) || !shaken && (named(kind) || !tells(kind));
+    let open = |kind: Kind| ruling.supports(kind) || !tells(kind) || !shaken && named(kind);
     let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || corroboration::speaks_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }

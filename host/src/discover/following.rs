@@ -38,6 +38,18 @@ pub(super) fn follows_for_longer(data: &Data, base: &Fit, fit: &Fit) -> bool {
     mostly_better(data.sigma, &before, &after)
 }
 
+/// Whether the segments that were fitted name what `fit` has more than `before`, and the held-out motion bears it out. An
+/// effect that acts in few segments is told by those beyond doubt, though most segments are no better with it. Neither
+/// held-out error may be larger.
+pub(super) fn told(data: &Data, before: &Fit, fit: &Fit) -> bool {
+    let parameters = fit.free.len().saturating_sub(before.free.len());
+    let held_out = |fit: &Fit| root_mean(&data.over(&data.score).score(&fit.candidate));
+    parameters > 0
+        && paired(&before.mse, &fit.mse, &fit.samples, data.floor()).names(parameters, &NAMING)
+        && held_out(fit) <= held_out(before)
+        && open_loop(data, fit) <= open_loop(data, before)
+}
+
 /// Whether mean squares fall, significantly over the windows. A short recording has few, so that their mean over its error
 /// is a t.
 fn mostly_better(sigma: f64, before: &[f64], after: &[f64]) -> bool {

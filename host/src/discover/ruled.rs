@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use breakaway_core::plant::Effect;
+
 use super::clock::{Clocked, clocked, with_delay};
 use super::engine::Request;
 use super::judge::ruling::{ALL_WIDTHS, Ruling, rule_within};
@@ -54,7 +56,13 @@ pub fn ruled(request: &Request, units: &Units, settings: &Settings) -> Ruled {
         ruling = replicated(&request.recordings, |own| rule(own, ALL_WIDTHS)).or(ruling);
     }
     let by_clock = Ruled { request, ruling, age_s, rezeroed };
-    let late = as_seen.and_then(|as_seen| with_delay(&by_clock, as_seen, |own| rule(own, ALL_WIDTHS)));
+    let beside = |recordings: &[Recording], names: Option<&Candidate>| {
+        let all = [known.as_ref(), names].into_iter().flatten();
+        let effects: Vec<Effect<f64>> = all.clone().flat_map(|own| own.effects.clone()).collect();
+        let known = all.last().map(|own| Candidate { base: own.base, effects });
+        rule_beside(recordings, known.as_ref(), ALL_WIDTHS, units, settings)
+    };
+    let late = as_seen.and_then(|as_seen| with_delay(&by_clock, as_seen, beside));
     match late {
         Some((request, ruling)) => Ruled { request, ruling: Some(ruling), age_s: None, rezeroed },
         None => by_clock,
