@@ -242,15 +242,16 @@ fn rivals(finding: &Finding) -> Vec<Rival> {
     tied.map(|(kind, z)| Rival { kind: *kind, delta: 0.0, z: *z, tied: true }).collect()
 }
 
-/// A discovery of the simulated motion, with the judge's ties for each name that the judge gave too. Down to the
-/// sensor's noise it has no such ties: there the motion tells what the forces do not.
+/// A discovery of the simulated motion, with the judge's ties for each name that the judge gave too. Down to the sensor's
+/// noise the motion tells what the forces do not. There it has only the ties with effects that it was not compared with.
 pub(super) fn with_ties(mut small: Discovery, ruling: Option<&Ruling>) -> Discovery {
-    if small.down_to_the_noise() {
-        return small;
-    }
+    let told = small.down_to_the_noise();
     let findings = ruling.map_or(&[][..], |ruling| &ruling.findings);
     for named in &mut small.effects {
         for tied in findings.iter().filter(|finding| finding.effect.kind == named.kind).flat_map(rivals) {
+            if told && named.rivals.iter().any(|rival| rival.kind == tied.kind) {
+                continue;
+            }
             named.rivals.retain(|rival| rival.kind != tied.kind);
             named.rivals.push(tied);
         }

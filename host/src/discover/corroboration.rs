@@ -58,6 +58,10 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
         return false;
     }
     let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
+    // At the noise the motion tells no name from another. The forces have told them, and the motion may only add to them.
+    if before.over_noise() < AT_THE_NOISE && !kinds(before).iter().all(|kind| kinds(small).contains(kind)) {
+        return false;
+    }
     ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)))
         || Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
 }
