@@ -330,6 +330,37 @@ mod tests {
         assert!(remarks.iter().any(|remark| remark.contains("spring is seen too")), "{remarks:?}");
     }
 
+    /// The fitted segments tell a load beside the base. They do not tell a spring of a thousandth of it beside the load.
+    #[test]
+    fn the_fitted_segments_tell_what_is_there() {
+        let (request, _) = axis_with_a_drag();
+        let Prepared { data, base, .. } = prepared(&request, FIT_SEGMENT_S, None, &|_| ()).unwrap();
+        let with = |effects: &[Effect<f64>]| {
+            let model = effects.iter().fold(Model::of(&base), |model, effect| model.with(*effect));
+            model.fit(&data.problem(), None, ITERATIONS).unwrap()
+        };
+        let load = Effect::new(Kind::ConstantLoad, &[0.2]);
+        let loaded = with(&[load]);
+        assert!(told(&data, &base, &loaded) && !told(&data, &loaded, &base) && !told(&data, &loaded, &loaded));
+        assert!(!told(&data, &loaded, &with(&[load, Effect::new(Kind::Spring, &[2e-4, 0.0])])));
+    }
+
+    /// Down to the noise the motion keeps the ties of the forces with what it was not compared with. Beside a model that
+    /// leaves more, the ties of the forces count.
+    #[test]
+    fn ties_stay_with_what_was_not_compared() {
+        let (request, mut ruling) = axis_with_a_drag();
+        ruling.findings[0].tied = vec![(Kind::Spring, 0.3), (Kind::GravityLoad, 0.4)];
+        let (mut small, _) = found(&request, &Units::default(), &ruling, &|_| ()).unwrap();
+        small.effects[0].rivals = vec![Rival { kind: Kind::Spring, delta: 1.0, z: 9.0, tied: false }];
+        let ties = |verdict: Verdict| {
+            let own = with_ties(Discovery { verdict, ..small.clone() }, Some(&ruling));
+            own.effects[0].rivals.iter().filter(|rival| rival.tied).map(|rival| rival.kind).collect::<Vec<_>>()
+        };
+        assert_eq!(ties(Verdict::Explained), [Kind::GravityLoad]);
+        assert_eq!(ties(Verdict::PartlyExplained), [Kind::Spring, Kind::GravityLoad]);
+    }
+
     /// A tenth of the drive, or twice the sensor's noise, may be left at random where all is explained. Where only some
     /// recordings give the name, nothing is said of the others.
     #[test]

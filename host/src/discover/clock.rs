@@ -126,6 +126,21 @@ mod tests {
         assert_eq!(found.request.recordings[0].u, seen[0].u);
     }
 
+    /// The judge names a delay only beside the load that was found. The delay has the age of the readings.
+    #[test]
+    fn a_delay_may_show_beside_the_names_alone() {
+        let ruling = Some(Ruling::naming(&[Kind::ConstantLoad], [0.05, 9.0]));
+        let request = Request { recordings: vec![axis(4)], ..Request::default() };
+        let by_clock = Ruled { request: request.clone(), ruling, age_s: Some(8e-3), rezeroed: false };
+        let rule = |_: &[Recording], names: Option<&Candidate>| {
+            let beside = names.is_some_and(|names| names.effects[0].kind == Kind::ConstantLoad);
+            Some(Ruling::naming(if beside { &[Kind::Delay] } else { &[Kind::Spring] }, [0.05, 9.0]))
+        };
+        let (_, ruling) = with_delay(&by_clock, request, rule).unwrap();
+        let named: Vec<(Kind, f64)> = ruling.findings.iter().map(|own| (own.effect.kind, own.effect.p[0])).collect();
+        assert_eq!(named, [(Kind::ConstantLoad, 1.0), (Kind::Delay, 8e-3)]);
+    }
+
     /// A reading that is one row old may have come just after the row before. Nothing is named.
     #[test]
     fn readings_of_a_row_are_no_delay() {

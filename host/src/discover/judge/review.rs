@@ -123,6 +123,7 @@ mod tests {
     use crate::discover::judge::sides::Weights;
     use crate::discover::judge::term::Term;
     use crate::discover::judge::weak_form::WeakForm;
+    use crate::discover::judge::zeros::tests::with_a_ripple;
     use crate::recording::Recording;
 
     /// 12 s at 500 Hz of a pendulum.
@@ -183,6 +184,24 @@ mod tests {
         let reviewed = reviewed(stage, &mut bearings).unwrap();
         assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::QuadraticDrag));
         assert!(bearings[0].tied.iter().all(|(_, lead)| *lead < settings.tie_z), "{:?}", bearings[0].tied);
+    }
+
+    /// Three pendulums whose encoders start anywhere, fitted with one phase for all. The review gives each its own.
+    #[test]
+    fn zeros_are_chosen_anew() {
+        let settings = Settings::default();
+        let recordings = [(0.0, 7.1), (1.1, 9.7), (-2.0, 5.3)].map(|(zero, beat)| with_a_ripple(zero, beat, 0.0));
+        let dataset = Dataset::new(&recordings, &settings);
+        let mut form = WeakForm::new(&dataset, 0.03, &settings).unwrap();
+        form.radians = Some(1.0);
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let gravity = base.library().of_effects(|kind| kind == Kind::GravityLoad);
+        let gravity = gravity.into_iter().find(|term| !term.own_zeros).unwrap();
+        let evidence = base.weighed(gravity.clone(), &Bar::OPEN).unwrap().evidence[0];
+        let stage = Stage::new(&form, &settings, Model::default().with(&gravity), &base.weights).unwrap();
+        let reviewed = reviewed(stage, &mut vec![Bearing { evidence, tied: Vec::new() }]).unwrap();
+        let own = &reviewed.model.terms[0];
+        assert!(own.name == Name::Effect(Kind::GravityLoad) && own.own_zeros, "{:?} {}", own.name, own.own_zeros);
     }
 
     /// A constant load, which the pendulum has not, was found before its gravity. It is dropped. The evidence for gravity

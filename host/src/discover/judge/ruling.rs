@@ -336,6 +336,17 @@ mod tests {
         assert_eq!(supported, [true, true, false]);
     }
 
+    /// Names that repeat over position are kept apart from the others, where there are both.
+    #[test]
+    fn what_repeats_over_position_is_told_apart() {
+        let repeating = |kinds: &[Kind]| {
+            let own = Ruling::naming(kinds, [0.05, 9.0]).repeating()?;
+            Some(own.findings.iter().map(|finding| finding.effect.kind).collect::<Vec<_>>())
+        };
+        assert_eq!(repeating(&[Kind::Delay, Kind::Cogging]), Some(vec![Kind::Cogging]));
+        assert_eq!([repeating(&[Kind::Cogging]), repeating(&[Kind::Delay, Kind::Spring])], [None, None]);
+    }
+
     /// A small finding is seen with its share. The others stay, and so does what was seen.
     #[test]
     fn small_findings_may_be_seen_only() {

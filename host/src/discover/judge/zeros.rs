@@ -198,7 +198,12 @@ pub(in crate::discover) mod tests {
 
     /// The same with a ripple of seven waves in a turn, V.
     pub fn with_a_ripple(zero: f64, beat: f64, ripple: f64) -> Recording {
-        let (b, c, m, h) = (0.02, 0.1, 0.6, 2e-3);
+        under(zero, beat, |x| 0.6 * x.sin() + ripple * (7.0 * x).sin())
+    }
+
+    /// The same with another force of the position at its side, V.
+    fn under(zero: f64, beat: f64, force: impl Fn(f64) -> f64) -> Recording {
+        let (b, c, h) = (0.02, 0.1, 2e-3);
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
         let mut recording = Recording::default();
         for k in 0..10_000 {
@@ -208,7 +213,7 @@ pub(in crate::discover) mod tests {
             recording.u.push(u);
             recording.x.push(x + zero);
             for _ in 0..10 {
-                v += (u - c * v - m * x.sin() - ripple * (7.0 * x).sin()) / b * h / 10.0;
+                v += (u - c * v - force(x)) / b * h / 10.0;
                 x += v * h / 10.0;
             }
         }
@@ -252,6 +257,27 @@ pub(in crate::discover) mod tests {
         for (shift, zero) in shifts.iter().zip(zeros) {
             let off = (shift + zero - zeros[0] + PI).rem_euclid(TAU) - PI;
             assert!(off.abs() < 1e-3, "{shifts:?}");
+        }
+    }
+
+    /// A ripple of seven waves beside a spring. The zeros differ by up to four waves, and the place of rest tells each: it is one
+    /// place, so a place that is a wave further is another. In the reading of the first the spring rests at .4 rad.
+    #[test]
+    fn a_spring_tells_the_wave() {
+        let zeros = [0.4, 2.2, -3.1, 1.3];
+        let beats = [7.1, 9.7, 5.3, 8.3];
+        let axis = |(zero, beat): (&f64, f64)| under(*zero, beat, |x| 0.25 * x + 0.3 * (7.0 * x).sin());
+        let recordings: Vec<Recording> = zeros.iter().zip(beats).map(axis).collect();
+        let finding = |kind, p: &[f64]| Finding { effect: Effect::new(kind, p), own_zeros: true, ..Finding::of(kind) };
+        let ruling = Ruling {
+            base: Base { b: 0.02, c: 0.1, f1: 0.0 },
+            findings: vec![finding(Kind::Cogging, &[-0.3, 7.0, -2.8]), finding(Kind::Spring, &[0.25, 0.4])],
+            half_width_s: 0.03,
+            ..Ruling::naming(&[], [0.0, 1.0])
+        };
+        let shifts = shifts(&recordings, &recordings[0], &ruling, &Settings::default()).unwrap();
+        for (shift, zero) in shifts.iter().zip(zeros) {
+            assert!((shift + zero - zeros[0]).abs() < 1e-3, "{shifts:?}");
         }
     }
 
