@@ -334,15 +334,16 @@ mod tests {
     #[test]
     fn the_fitted_segments_tell_what_is_there() {
         let (request, _) = axis_with_a_drag();
-        let Prepared { data, base, .. } = prepared(&request, FIT_SEGMENT_S, None, &|_| ()).unwrap();
+        let start = prepared(&request, FIT_SEGMENT_S, None, &|_| ()).unwrap();
+        let (data, base) = (&start.data, &start.base);
         let with = |effects: &[Effect<f64>]| {
-            let model = effects.iter().fold(Model::of(&base), |model, effect| model.with(*effect));
+            let model = effects.iter().fold(Model::of(base), |model, effect| model.with(*effect));
             model.fit(&data.problem(), None, ITERATIONS).unwrap()
         };
         let load = Effect::new(Kind::ConstantLoad, &[0.2]);
         let loaded = with(&[load]);
-        assert!(told(&data, &base, &loaded) && !told(&data, &loaded, &base) && !told(&data, &loaded, &loaded));
-        assert!(!told(&data, &loaded, &with(&[load, Effect::new(Kind::Spring, &[2e-4, 0.0])])));
+        assert!(told(data, base, &loaded) && !told(data, &loaded, base) && !told(data, &loaded, &loaded));
+        assert!(!told(data, &loaded, &with(&[load, Effect::new(Kind::Spring, &[2e-4, 0.0])])));
     }
 
     /// Down to the noise the motion keeps the ties of the forces with what it was not compared with. Beside a model that
