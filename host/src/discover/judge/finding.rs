@@ -181,7 +181,7 @@ mod tests {
     }
 
     /// Half of what the others leave is a gain of ½·ln 2 = .347 nats. Without this bound an eccentric encoder of .86 nats was too
-    /// little to be named, because a ripple in time was ten times as large (hidden plant, unkind world, seed 8829).
+    /// little to be named. A ripple in time was ten times as large there (hidden plant, unkind world, seed 8829).
     #[test]
     fn half_of_the_rest_is_material() {
         assert_eq!([0.34, 0.35].map(explains_half), [false, true]);

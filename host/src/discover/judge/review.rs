@@ -87,8 +87,8 @@ fn without<'a>(stage: &Stage<'a>, j: usize) -> Option<Stage<'a>> {
     Stage::new(stage.form, stage.settings, model, &stage.weights)
 }
 
-/// The better of a law of the position and the same law with the other choice of zeros: one for all recordings, or one for
-/// each. The search chose beside fewer terms, where what was missing hid the zeros (hidden plant, unkind world, seed 8866).
+/// The better of a law of the position and the same law with the other choice of zeros. That is one for all recordings, or
+/// one for each. The search chose beside fewer terms, where what was missing hid the zeros (hidden plant, unkind world, seed 8866).
 fn with_zeros(beside: &Stage<'_>, tried: Tried) -> Tried {
     let library = beside.library();
     let (own, zeros) = (kind(&tried), tried.terms[0].own_zeros);

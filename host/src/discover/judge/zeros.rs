@@ -22,8 +22,8 @@ const SAME_RAD: f64 = 0.05;
 /// Most places that are tried: of waves whose numbers are a thousandfold apart, all of them. Beyond that only places near
 /// the present zero are, so that the search ends for any wave number.
 const MOST_PLACES: f64 = 40_000.0;
-/// Longest waves about the place of a spring's rest in which places are tried. The rest alone is told by the mean of what
-/// the waves leave, so it may be a wave off; all laws together tell the place.
+/// Longest waves about the place of a spring's rest in which places are tried. The mean of what the
+/// waves leave tells the rest alone, so it may be a wave off. All laws together tell the place.
 const WAVES_ABOUT_REST: f64 = 5.0;
 /// Golden sections that refine the best place to a thousandth of a step.
 const SECTIONS: usize = 14;
@@ -260,8 +260,8 @@ pub(in crate::discover) mod tests {
         }
     }
 
-    /// A ripple of seven waves beside a spring. The zeros differ by up to four waves, and the place of rest tells each: it is one
-    /// place, so a place that is a wave further is another. In the reading of the first the spring rests at .4 rad.
+    /// A ripple of seven waves beside a spring. The zeros differ by up to four waves, and the place of rest tells each. A place
+    /// that is a wave further is another. In the reading of the first the spring rests at .4 rad.
     #[test]
     fn a_spring_tells_the_wave() {
         let zeros = [0.4, 2.2, -3.1, 1.3];
