@@ -120,7 +120,7 @@ fn told(case: &Case) -> Option<String> {
     }
     let full = fitted(&problem, &candidate)?;
     let over_noise = |fit: &Fit| (fit.mse.iter().sum::<f64>() / fit.mse.len() as f64).sqrt() / data.sigma;
-    let mut line = format!("{} {} %: {:.2} of the noise", case.seed, truth.size_percent, over_noise(&full));
+    let mut words = vec![format!("{} {} %: {:.2} of the noise", case.seed, truth.size_percent, over_noise(&full))];
     for j in 0..hidden {
         let mut without = full.candidate.clone();
         let own = without.effects.remove(j);
@@ -129,9 +129,9 @@ fn told(case: &Case) -> Option<String> {
         let parameters = full.free.len() - without.free.len();
         let (name, z, lambda) = (own.kind.name(), found.z, found.lambda);
         let word = if found.names(parameters, &NAMING) { "told" } else { "not told" };
-        line += &format!(" | {name} {word}: z {z:.1}, λ {lambda:.0}, {:.2}", over_noise(&without));
+        words.push(format!("{name} {word}: z {z:.1}, λ {lambda:.0}, {:.2}", over_noise(&without)));
     }
-    Some(line)
+    Some(words.join(" | "))
 }
 
 fn main() {
