@@ -170,8 +170,8 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
 /// The effects for which the simulated motion is searched. There are none where it is far above its sensor's noise, or
 /// off by a tooth. The forces have weighed the effects that act in no less than a window in two cases. Either random
 /// torque explains what is left; or the motion is far off, and the forces tell what is left. Of these effects remain what
-/// the forces speak for. Unless random torque explains what is left, bristles and what they named remain too. An effect
-/// against which the forces speak is not sought: it would not be believed.
+/// the forces speak for, and bristles, whose bending the forces do not tell. Unless random torque explains what is left, what
+/// they named remains too. An effect against which the forces speak is not sought: it would not be believed.
 fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let error = || found.ladder.last().map_or(f64::INFINITY, |rung| rung.holdout_rmse);
     if off_by_a_tooth(ruling, &found.model.effects, error) || found.over_noise() > ROUGH {
