@@ -79,7 +79,7 @@ pub(super) fn found(
         let (mut found, _) = self::found(request, units, &doubted, progress)?;
         found.remarks.extend(remarks);
         if ruling.explains_of_the_drive() > Settings::default().predictable {
-            found.verdict = Verdict::Unknown;
+            found.verdict = beside_doubt(&doubted);
         }
         return Ok((found, ruling));
     }
@@ -161,6 +161,12 @@ fn verdict(ruling: &Ruling) -> Verdict {
         (true, false) if ruling.tells_nothing_is_missing() => Verdict::NothingMissing,
         (true, _) => Verdict::Unknown,
     }
+}
+
+/// The verdict where the simulated motion contradicts names that explain what counts of the drive. Names that stay explain a
+/// part of it.
+fn beside_doubt(stays: &Ruling) -> Verdict {
+    if stays.findings.is_empty() { Verdict::Unknown } else { Verdict::PartlyExplained }
 }
 
 /// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in four
@@ -371,6 +377,14 @@ mod tests {
         assert_eq!(of([0.11, 50.0]), Verdict::PartlyExplained);
         let some = Ruling { of_recordings: Some([2, 5]), ..Ruling::naming(&[Kind::Cogging], [0.01, 50.0]) };
         assert_eq!(verdict(&some), Verdict::PartlyExplained);
+    }
+
+    /// A ripple stays where the motion contradicts the delay beside it. What the delay explained is then missing.
+    #[test]
+    fn doubt_leaves_nothing_explained() {
+        let ruling = Ruling::naming(&[Kind::Cogging, Kind::Delay], [0.01, 50.0]);
+        let verdicts = [ruling.repeating().unwrap(), ruling.naming_nothing()].map(|stays| beside_doubt(&stays));
+        assert_eq!(verdicts, [Verdict::PartlyExplained, Verdict::Unknown]);
     }
 
     /// An effect that is seen beside the names is predictable, however little it predicts.
