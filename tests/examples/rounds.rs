@@ -20,7 +20,7 @@ use breakaway_tests::machines::catalogue::MACHINES;
 use breakaway_tests::machines::reading;
 use breakaway_tests::machines::splits::{splits, taken};
 use breakaway_tests::measured_data;
-use breakaway_tests::requests::{cases, request};
+use breakaway_tests::requests::{Sessions, request};
 use clap::Parser;
 
 #[derive(Parser)]
@@ -37,18 +37,8 @@ struct Asked {
     /// Half-widths of the windows, s; that of the ruling where none is given
     #[arg(long, value_delimiter = ',')]
     half_widths_s: Vec<f64>,
-    /// Sessions of a world; each hides one to three effects where `--effects` is not given
-    #[arg(long)]
-    seeds: Option<String>,
-    /// What each session hides: `cogging,delay+spring,none`
-    #[arg(long)]
-    effects: Option<String>,
-    /// Per cent of the drive
-    #[arg(long, value_delimiter = ',', default_value = "10")]
-    sizes: Vec<f64>,
-    /// The sessions' world
-    #[arg(long, default_value = "unkind")]
-    world: String,
+    #[command(flatten)]
+    sessions: Sessions,
     /// Lines of a round; with 0 the ruling alone
     #[arg(long, default_value_t = 16)]
     lines: usize,
@@ -107,30 +97,27 @@ fn requests(asked: &Asked) -> Vec<(String, Request)> {
             }
         }
     }
-    if let Some(seeds) = &asked.seeds {
-        let cases = cases(seeds, &asked.world, asked.effects.as_deref(), &asked.sizes)
-            .unwrap_or_else(|error| panic!("{error}"));
-        all.extend(cases.iter().map(|case| {
-            let (session, truth) = case.generate_with_truth();
-            let hidden: Vec<String> =
-                truth.effects.iter().map(|own| format!("{} {:?}", own.hidden.name(), own.parameters)).collect();
-            let base = truth.base;
-            (
-                format!(
-                    "{} {} %: {}; b {:.4} c {:.4} f1 {:.3}, gap {:.1} of {:.1} %",
-                    case.seed,
-                    truth.size_percent,
-                    hidden.join(" + "),
-                    base.b,
-                    base.c,
-                    base.f1,
-                    truth.gap_rms_refit_percent,
-                    truth.gap_rms_percent
-                ),
-                request(&recordings(&session, Role::Fit)),
-            )
-        }));
-    }
+    let cases = asked.sessions.cases().unwrap_or_else(|error| panic!("{error}"));
+    all.extend(cases.iter().map(|case| {
+        let (session, truth) = case.generate_with_truth();
+        let hidden: Vec<String> =
+            truth.effects.iter().map(|own| format!("{} {:?}", own.hidden.name(), own.parameters)).collect();
+        let base = truth.base;
+        (
+            format!(
+                "{} {} %: {}; b {:.4} c {:.4} f1 {:.3}, gap {:.1} of {:.1} %",
+                case.seed,
+                truth.size_percent,
+                hidden.join(" + "),
+                base.b,
+                base.c,
+                base.f1,
+                truth.gap_rms_refit_percent,
+                truth.gap_rms_percent
+            ),
+            request(&recordings(&session, Role::Fit)),
+        )
+    }));
     all
 }
 

@@ -20,7 +20,7 @@ use breakaway_tests::machines::splits::{Split, taken};
 use breakaway_tests::machines::truth::Truth;
 use breakaway_tests::machines::{Machine, reading};
 use breakaway_tests::measured_data;
-use breakaway_tests::requests::{cases, of_case, request};
+use breakaway_tests::requests::{Sessions, of_case, request};
 use clap::Parser;
 
 #[derive(Parser)]
@@ -86,7 +86,8 @@ fn machines() -> Vec<(&'static Machine, Request)> {
 }
 
 fn sessions(seeds: &str, clean: bool) -> Vec<(Case, Request)> {
-    let cases = cases(seeds, "unkind", clean.then_some("none"), &[10.0]).unwrap_or_else(|error| panic!("{error}"));
+    let asked = Sessions { effects: clean.then(|| "none".to_owned()), ..Sessions::unkind(seeds) };
+    let cases = asked.cases().unwrap_or_else(|error| panic!("{error}"));
     let requests: Vec<Request> = cases.iter().map(of_case).collect();
     cases.into_iter().zip(requests).collect()
 }

@@ -16,23 +16,14 @@ use breakaway::fit::{Candidate, Fit, Free, Problem};
 use breakaway_core::plant::{Base, Effect, Kind};
 use breakaway_hidden::{Case, EffectTruth, Role, Truth};
 use breakaway_tests::blind::recordings;
-use breakaway_tests::requests::{cases, request};
+use breakaway_tests::requests::{Sessions, request};
 use clap::Parser;
 
 #[derive(Parser)]
+#[command(arg_required_else_help = true)]
 struct Asked {
-    /// Sessions of a world; each hides one to three effects where `--effects` is not given
-    #[arg(long)]
-    seeds: String,
-    /// What each session hides: `cogging,delay+spring`
-    #[arg(long)]
-    effects: Option<String>,
-    /// Per cent of the drive
-    #[arg(long, value_delimiter = ',', default_value = "10")]
-    sizes: Vec<f64>,
-    /// The sessions' world
-    #[arg(long, default_value = "unkind")]
-    world: String,
+    #[command(flatten)]
+    sessions: Sessions,
 }
 
 /// Iterations of a fit from the true parameters.
@@ -135,9 +126,7 @@ fn told(case: &Case) -> Option<String> {
 }
 
 fn main() {
-    let asked = Asked::parse();
-    let all = cases(&asked.seeds, &asked.world, asked.effects.as_deref(), &asked.sizes);
-    for case in all.unwrap_or_else(|error| panic!("{error}")) {
+    for case in Asked::parse().sessions.cases().unwrap_or_else(|error| panic!("{error}")) {
         println!("{}", told(&case).unwrap_or_else(|| format!("{}: the true model has no fit", case.seed)));
     }
 }

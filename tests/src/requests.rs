@@ -3,6 +3,7 @@
 use breakaway::discover::engine::Request;
 use breakaway::recording::{Recording, in_session_order};
 use breakaway_hidden::{Case, Experiment, Role, Setting};
+use clap::Args;
 
 use crate::blind::asked::{Asked, range};
 use crate::blind::recordings;
@@ -17,20 +18,44 @@ pub fn of_case(case: &Case) -> Request {
     request(&recordings(&case.generate_with_truth().0, Role::Fit))
 }
 
-/// A case of each seed in a world for each of `effects`; `none` hides nothing. Without `effects` each case hides one to
-/// three that are drawn. `sizes` are per cent of the drive.
-///
-/// # Errors
-/// Which word cannot be read, in words.
-pub fn cases(seeds: &str, world: &str, effects: Option<&str>, sizes: &[f64]) -> Result<Vec<Case>, String> {
-    let asked = Asked {
-        experiment: vec![Experiment::Suite],
-        sizes: sizes.to_vec(),
-        seeds: range(seeds).map_err(|error| format!("{seeds}: {error}"))?,
-        effects: effects.map_or_else(Vec::new, |effects| effects.split(',').map(str::to_owned).collect()),
-        pairs: 0,
-        drawn: usize::from(effects.is_none()),
-        world: Setting::named(world).map_err(|error| error.to_string())?,
-    };
-    asked.cases()
+/// Sessions of the hidden plant, as options of a command.
+#[derive(Args, Clone, Debug)]
+pub struct Sessions {
+    /// Sessions of a world; each hides one to three effects where `--effects` is not given
+    #[arg(long)]
+    pub seeds: Option<String>,
+    /// What each session hides: `cogging,delay+spring,none`
+    #[arg(long)]
+    pub effects: Option<String>,
+    /// Per cent of the drive
+    #[arg(long, value_delimiter = ',', default_value = "10")]
+    pub sizes: Vec<f64>,
+    /// The sessions' world
+    #[arg(long, default_value = "unkind")]
+    pub world: String,
+}
+
+impl Sessions {
+    /// Sessions of the unkind world with one to three effects of 10 %.
+    pub fn unkind(seeds: &str) -> Self {
+        Self { seeds: Some(seeds.to_owned()), effects: None, sizes: vec![10.0], world: "unkind".to_owned() }
+    }
+
+    /// A case of each seed for each of the effects; `none` hides nothing. There is no case without seeds.
+    ///
+    /// # Errors
+    /// Which word cannot be read, in words.
+    pub fn cases(&self) -> Result<Vec<Case>, String> {
+        let Some(seeds) = &self.seeds else { return Ok(Vec::new()) };
+        let asked = Asked {
+            experiment: vec![Experiment::Suite],
+            sizes: self.sizes.clone(),
+            seeds: range(seeds).map_err(|error| format!("{seeds}: {error}"))?,
+            effects: self.effects.iter().flat_map(|all| all.split(',')).map(str::to_owned).collect(),
+            pairs: 0,
+            drawn: usize::from(self.effects.is_none()),
+            world: Setting::named(&self.world).map_err(|error| error.to_string())?,
+        };
+        asked.cases()
+    }
 }

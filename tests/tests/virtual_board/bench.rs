@@ -62,6 +62,13 @@ impl Bench {
         Self { board, client, samples: Vec::new(), events: Vec::new() }
     }
 
+    /// Heals the board. Its next tick has passed then: a command that came before that tick would find the fault there.
+    pub fn heal(&self) {
+        self.board.inject(Fault::Healed);
+        let ticks = self.board.watch();
+        assert!(ticks.recv_timeout(Duration::from_secs(10)).is_ok(), "no tick after the board was healed");
+    }
+
     pub fn done(&mut self, command: Command) {
         self.client.done(command).unwrap_or_else(|error| panic!("{error}"));
     }

@@ -54,7 +54,7 @@ fn an_encoder_that_jumps_and_one_that_dies() {
     let record = bench.kept(FaultCause::EncoderJump);
     assert!(record.value > 4900 && record.limit == 1000, "{record:?}");
     // It survives a reset, and nothing runs before it is cleared.
-    bench.board.inject(Fault::Healed);
+    bench.heal();
     bench.reboot();
     assert_eq!(bench.fault(), Some(record));
     assert_eq!(bench.board.seen().unwrap().starts, 2);
@@ -96,7 +96,7 @@ fn an_emergency_stop() {
     bench.breaks(Fault::EmergencyStop, 1);
     bench.kept(FaultCause::EmergencyStop);
     assert!(bench.client.done(Command::ClearFault).is_err());
-    bench.board.inject(Fault::Healed);
+    bench.heal();
     bench.done(Command::ClearFault);
 }
 
