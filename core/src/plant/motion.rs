@@ -110,8 +110,7 @@ impl<R: Real> Plant<'_, R> {
         for effect in self.effects {
             fastest = fastest.max(effect.kind.bandwidth(&effect.plain(), &base));
         }
-        let least = self.effects.iter().map(|effect| effect.kind.sub_steps()).max().unwrap_or(1);
-        (libm::ceil(ts * fastest / 0.25).clamp(least as f64, MAX_SUB_STEPS as f64)) as usize
+        libm::ceil(ts * fastest / 0.25).clamp(1.0, MAX_SUB_STEPS as f64) as usize
     }
 
     /// What the sensor reports at true position `x`.
@@ -124,16 +123,50 @@ impl<R: Real> Plant<'_, R> {
         reading
     }
 
-    /// Advances one sample period in `n` sub-steps (see [`Self::sub_steps`]).
+    /// Advances one sample period in `n` sub-steps (see [`Self::sub_steps`]), or one more where the drive that arrives
+    /// switches within the sample. No sub-step reaches over that instant, so the drive is exact in each.
     #[inline(always)]
     pub fn advance(&self, state: &mut State<R>, drive: Drive<'_>, n: usize) {
-        let h = drive.ts / n as f64;
-        for i in 0..n {
-            let from_s = i as f64 * h;
+        let edge_s = self.switches_at(drive.ts);
+        let parts = |span_s: f64| libm::ceil(n as f64 * span_s / drive.ts) as usize;
+        let (before, after) = if edge_s > 0.0 { (parts(edge_s), parts(drive.ts - edge_s)) } else { (0, n) };
+        let (h_before, h_after) = (edge_s / before.max(1) as f64, (drive.ts - edge_s) / after as f64);
+        let mut from_s = 0.0;
+        let shaped = self.effects.iter().any(|effect| effect.kind.shapes_the_drive());
+        for i in 0..before + after {
+            let h = if i < before { h_before } else { h_after };
             let t = R::from_f64(drive.t + from_s + 0.5 * h);
             let u = self.effective_drive(state, drive, t, from_s, h);
             self.sub_step(state, t, u, h);
+            if shaped && state.v != R::ZERO {
+                // The mean of the drive gives the velocity. How the drive changes about its mean moves the body too.
+                let lead = self.lead(state) / self.inertia(t, state);
+                state.x += lead.scale(h * h);
+            }
+            from_s += h;
         }
+    }
+
+    /// The instant within a sample of `ts` seconds at which the drive that arrives switches, s; 0 where it does not.
+    #[inline(always)]
+    fn switches_at(&self, ts: f64) -> f64 {
+        let mut edge_s: f64 = 0.0;
+        for effect in self.acting(ActsIn::Drive) {
+            edge_s = edge_s.max(effect.switches_at(ts));
+        }
+        edge_s
+    }
+
+    /// See `Law::lead`, of all effects.
+    #[inline(always)]
+    fn lead(&self, state: &State<R>) -> R {
+        let mut sum = R::ZERO;
+        for (effect, memory) in self.effects.iter().zip(&state.memory) {
+            if effect.kind.shapes_the_drive() {
+                sum += effect.lead(memory);
+            }
+        }
+        sum
     }
 
     /// What the effects add to the balance of forces along an imposed motion, in drive units. The motion has position
@@ -219,7 +252,7 @@ impl<R: Real> Plant<'_, R> {
 
     #[inline(always)]
     fn sub_step(&self, state: &mut State<R>, t: R, u: R, h: f64) {
-        if self.effects.iter().any(|effect| effect.kind.remembers()) {
+        if self.effects.iter().any(|effect| effect.kind.acts_in() == ActsIn::Mechanics) {
             return self.sub_step_with_memory(state, t, u, h);
         }
         let (x0, v0) = (state.x, state.v);
@@ -243,7 +276,7 @@ impl<R: Real> Plant<'_, R> {
         self.finish(state, &mid, R::ZERO, b, net, sgn, h);
     }
 
-    /// As [`Self::sub_step`], for effects with a memory: their reaction is predicted too.
+    /// As [`Self::sub_step`], beside bristles or a second body: their reaction is predicted too.
     fn sub_step_with_memory(&self, state: &mut State<R>, t: R, u: R, h: f64) {
         let (x0, v0) = (state.x, state.v);
         let b = self.inertia(t, state);

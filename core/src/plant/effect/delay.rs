@@ -4,6 +4,9 @@ use super::{ActsIn, Definition, Element, Held, Instant, Law, Memory, Parameter, 
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
+/// Share of a sample below which two instants are one.
+const SHORT: f64 = 1e-6;
+
 /// Delay of the drive: `u_a(t) = u(t − τ)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Delay;
@@ -24,33 +27,46 @@ impl Law for Delay {
         ..Definition::PLAIN
     };
 
-    const SUB_STEPS: usize = 7;
+    fn switches_at<R: Real>(p: &[R], ts: f64) -> f64 {
+        let delay_s = p[0].to_f64();
+        let edge_s = delay_s - ts * libm::floor(delay_s / ts);
+        if edge_s > SHORT * ts && edge_s < (1.0 - SHORT) * ts { edge_s } else { 0.0 }
+    }
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, past: Held<'_>, _memory: &mut Memory<R>, h: f64) -> R {
         if p[0] <= R::ZERO {
             return at.u;
         }
-        // The sub-step, shifted back by τ, covers parts of held samples. The mean of u over it is exact.
-        let from = R::from_f64(past.from_s) - p[0];
-        let to = from + R::from_f64(h);
-        let first = libm::floor(from.to_f64() / past.ts);
+        let (ts, delay_s) = (past.ts, p[0].to_f64());
         let newest = past.u.len() as i64 - 1;
-        let at_sample = |k: f64| {
-            let index = (newest + k as i64).clamp(0, newest) as usize;
-            R::from_f64(past.u.get(index).copied().unwrap_or(0.0))
-        };
-        let mut sum = R::ZERO;
-        let mut k = first;
+        let held = |k: f64| past.u.get((newest + k as i64).clamp(0, newest) as usize).copied().unwrap_or(0.0);
+        // The sub-step, shifted back by τ, covers parts of held samples. The mean of u over it is exact. A longer delay
+        // brings more of the sample before each edge, and less of the one after it. An edge between two sub-steps
+        // belongs to each of them by half.
+        let short = SHORT * ts;
+        let mut from = past.from_s - delay_s;
+        let to = from + h;
+        let mut k = libm::floor((from + short) / ts);
+        let (mut sum, mut slope) = (0.0, 0.0);
+        if from - k * ts <= short {
+            slope = 0.5 * (held(k - 1.0) - held(k));
+        }
         loop {
-            let begin = from.max(R::from_f64(k * past.ts));
-            let end = to.min(R::from_f64((k + 1.0) * past.ts));
-            sum += at_sample(k) * (end - begin);
-            k += 1.0;
-            if k * past.ts >= to.to_f64() || k > first + 64.0 {
+            let edge = (k + 1.0) * ts;
+            sum += held(k) * (edge.min(to) - from);
+            if edge > to + short {
                 break;
             }
+            let step = held(k) - held(k + 1.0);
+            if edge >= to - short {
+                slope += 0.5 * step;
+                break;
+            }
+            slope += step;
+            from = edge;
+            k += 1.0;
         }
-        sum / R::from_f64(h)
+        R::from_f64(sum / h) + (p[0] - R::from_f64(delay_s)).scale(slope / h)
     }
 
     fn element(p: &[f64], _base: &Base<f64>) -> Element {

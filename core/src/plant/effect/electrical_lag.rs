@@ -26,14 +26,25 @@ impl Law for ElectricalLag {
 
     const ALONG_THE_DRIVE: u8 = 5;
     const REMEMBERS: bool = true;
-    const SUB_STEPS: usize = 7;
+    const SHAPES_THE_DRIVE: bool = true;
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
         let ratio = R::from_f64(h) / p[0];
         let decay = (-ratio).exp();
         let error = memory[0] - at.u;
         memory[0] = at.u + error * decay;
-        at.u + error * ((R::ONE - decay) / ratio)
+        let mean = error * ((R::ONE - decay) / ratio);
+        memory[1] = if ratio < R::from_f64(0.05) {
+            // The first terms of the same, which are differences of larger numbers there.
+            error * ratio * (R::from_f64(1.0 / 12.0) - ratio * (R::from_f64(1.0 / 24.0) - ratio.scale(1.0 / 80.0)))
+        } else {
+            (error - mean) / ratio - mean.scale(0.5)
+        };
+        at.u + mean
+    }
+
+    fn lead<R: Real>(_p: &[R], memory: &Memory<R>) -> R {
+        memory[1]
     }
 
     fn element(p: &[f64], _base: &Base<f64>) -> Element {

@@ -66,6 +66,18 @@ pub trait Law {
     fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u
     }
+    /// D: the instant within a sample of `ts` seconds at which the drive that the effect hands on switches, s; 0 where
+    /// it switches at samples alone.
+    fn switches_at<R: Real>(_p: &[R], _ts: f64) -> f64 {
+        0.0
+    }
+    /// D: whether the drive that the effect hands on changes within a sub-step, so that [`Self::lead`] counts.
+    const SHAPES_THE_DRIVE: bool = false;
+    /// D: `∫(u − ū)·(h − t)dt/h²` over the last sub-step `h`, where ū is the mean that [`Self::drive`] gave. So far the
+    /// drive moves a body of inertia b beyond what its mean does, times b/h². Drive units.
+    fn lead<R: Real>(_p: &[R], _memory: &Memory<R>) -> R {
+        R::ZERO
+    }
     /// F: force added to the right-hand side, in drive units.
     fn force<R: Real>(_p: &[R], _at: &Instant<R>) -> R {
         R::ZERO
@@ -126,10 +138,6 @@ pub trait Law {
     fn element(_p: &[f64], _base: &Base<f64>) -> Element {
         Element::Other
     }
-    /// Least sub-steps of a sample period; more than 1 where the motion within a sample tells the effect from
-    /// another. In one step a delay and a lag of the same time constant move the motor alike, so they take 7. From
-    /// `MAX_SUB_STEPS` on, dynamics count as not resolved.
-    const SUB_STEPS: usize = 1;
     /// Highest natural frequency that the effect adds, rad/s. It sets the sub-step.
     fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
         0.0

@@ -93,10 +93,10 @@ macro_rules! catalogue {
             pub const fn second_body(self) -> bool {
                 self.free_memory() == 2
             }
-            /// See [`Law::SUB_STEPS`].
+            /// See [`Law::SHAPES_THE_DRIVE`].
             #[inline]
-            pub const fn sub_steps(self) -> usize {
-                match self { $(Self::$law => <$law as Law>::SUB_STEPS,)* }
+            pub const fn shapes_the_drive(self) -> bool {
+                match self { $(Self::$law => <$law as Law>::SHAPES_THE_DRIVE,)* }
             }
             /// See [`Law::THRESHOLD`].
             pub const fn threshold(self) -> bool {
@@ -135,6 +135,16 @@ macro_rules! catalogue {
             #[inline(always)]
             pub fn drive(&self, at: &Instant<R>, past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
                 match self.kind { $(Kind::$law => $law::drive(&self.p, at, past, memory, h),)* }
+            }
+            /// See [`Law::switches_at`].
+            #[inline(always)]
+            pub fn switches_at(&self, ts: f64) -> f64 {
+                match self.kind { $(Kind::$law => $law::switches_at(&self.p, ts),)* }
+            }
+            /// See [`Law::lead`].
+            #[inline(always)]
+            pub fn lead(&self, memory: &Memory<R>) -> R {
+                match self.kind { $(Kind::$law => $law::lead(&self.p, memory),)* }
             }
             /// See [`Law::force`].
             #[inline(always)]

@@ -26,7 +26,7 @@ const OF_WHAT_IS_LEFT: f64 = 0.01;
 
 /// Whether the effects take many sub-steps of a sample. Half of the sub-steps are then enough for most of a fit.
 pub(super) fn is_slow(effects: &[Effect<f64>]) -> bool {
-    effects.iter().any(|effect| effect.kind.bristles() || effect.kind.sub_steps() > 1)
+    effects.iter().any(|effect| effect.kind.bristles())
 }
 
 /// Fits to all segments what was fitted to a part of them.

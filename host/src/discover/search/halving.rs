@@ -97,7 +97,7 @@ impl<'a> Halving<'a> {
 
     /// Whether half of the sub-steps are enough to compare starts.
     fn is_coarse(&self, kind: Kind) -> bool {
-        kind.bristles() || kind.sub_steps() > 1 || is_slow(&self.model.effects)
+        kind.bristles() || is_slow(&self.model.effects)
     }
 
     /// The fits go on over the part.
