@@ -110,7 +110,8 @@ impl<R: Real> Plant<'_, R> {
         for effect in self.effects {
             fastest = fastest.max(effect.kind.bandwidth(&effect.plain(), &base));
         }
-        libm::ceil(ts * fastest / 0.25).clamp(1.0, MAX_SUB_STEPS as f64) as usize
+        let least = self.effects.iter().map(|effect| effect.kind.sub_steps()).max().unwrap_or(1);
+        libm::ceil(ts * fastest / 0.25).clamp(least as f64, MAX_SUB_STEPS as f64) as usize
     }
 
     /// What the sensor reports at true position `x`.

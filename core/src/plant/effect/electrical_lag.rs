@@ -27,6 +27,9 @@ impl Law for ElectricalLag {
     const ALONG_THE_DRIVE: u8 = 5;
     const REMEMBERS: bool = true;
     const SHAPES_THE_DRIVE: bool = true;
+    // A sample in which the axis turns round or stops takes the mean drive. With 2, 3, 5 and 7 sub-steps a lag of a third of
+    // a sample fits alike, to 9 nats of 20 (hidden plant, kind world, seed 834, 1 %); with one it fits no better than a delay.
+    const SUB_STEPS: usize = 2;
 
     fn drive<R: Real>(p: &[R], at: &Instant<R>, _past: Held<'_>, memory: &mut Memory<R>, h: f64) -> R {
         let ratio = R::from_f64(h) / p[0];

@@ -138,6 +138,8 @@ pub trait Law {
     fn element(_p: &[f64], _base: &Base<f64>) -> Element {
         Element::Other
     }
+    /// Least sub-steps of a sample period.
+    const SUB_STEPS: usize = 1;
     /// Highest natural frequency that the effect adds, rad/s. It sets the sub-step.
     fn bandwidth(_p: &[f64], _base: &Base<f64>) -> f64 {
         0.0

@@ -98,6 +98,11 @@ macro_rules! catalogue {
             pub const fn shapes_the_drive(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::SHAPES_THE_DRIVE,)* }
             }
+            /// See [`Law::SUB_STEPS`].
+            #[inline]
+            pub const fn sub_steps(self) -> usize {
+                match self { $(Self::$law => <$law as Law>::SUB_STEPS,)* }
+            }
             /// See [`Law::THRESHOLD`].
             pub const fn threshold(self) -> bool {
                 match self { $(Self::$law => <$law as Law>::THRESHOLD,)* }
