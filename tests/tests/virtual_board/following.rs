@@ -5,9 +5,9 @@ use std::process::{Child, Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
 use breakaway::command::run::papers_plant;
-use breakaway::device::Client;
 use breakaway::device::share::folder;
 use breakaway::device::virtual_board::VirtualBoard;
+use breakaway::device::{Client, DeviceError};
 use breakaway_core::link::{BAUD, Message, Mode};
 
 use crate::bench::{options, start};
@@ -94,7 +94,15 @@ fn watch(port: &str) -> Client {
         assert!(begin.elapsed() < Duration::from_secs(60), "nothing to watch");
         std::thread::sleep(Duration::from_millis(5));
     }
-    let (mut guest, _) = Client::connect(port, BAUD).unwrap();
+    let mut guest = loop {
+        match Client::connect(port, BAUD) {
+            Ok((guest, _)) => break guest,
+            // The socket has its name a moment before the process listens to it.
+            Err(DeviceError::Busy { .. }) => assert!(begin.elapsed() < Duration::from_secs(60), "nobody listens"),
+            Err(error) => panic!("{error}"),
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
     assert!(guest.is_guest());
     loop {
         if let Some(Message::Samples(batch)) = guest.receive(Duration::from_millis(20)).unwrap()

@@ -19,9 +19,13 @@ impl AddAssign for Counts {
 impl Counts {
     /// What a closing line of libtest (`test result: …`), of nextest (`Summary […] … run: …`) or of pytest
     /// (`=== … in 1.20s ===`) says; zero for any other line. Whatever ended neither passed nor skipped (timed out, could not start) counts as failed.
+    ///
+    /// nextest shows what a failed test has printed, further in. There libtest's line is of that one test, which the summary
+    /// counts too.
     pub fn in_line(line: &str) -> Self {
-        let line = line.trim();
-        let list = if let Some((_, list)) = line.strip_prefix("test result: ").and_then(|rest| rest.split_once(". ")) {
+        let whole = line.trim_end();
+        let line = whole.trim_start();
+        let list = if let Some((_, list)) = whole.strip_prefix("test result: ").and_then(|rest| rest.split_once(". ")) {
             list.split("; finished").next().unwrap_or(list)
         } else if let Some((_, list)) = line.strip_prefix("Summary [").and_then(|rest| rest.split_once(" run: ")) {
             list
@@ -126,6 +130,7 @@ mod tests {
             ("============= 1 failed, 3 passed, 1 error in 61.20s (0:01:01) ==============", (3, 2)),
             ("======================= test session starts =======================", (0, 0)),
             ("test relay::summary ... ok", (0, 0)),
+            ("    test result: FAILED. 0 passed; 1 failed; 0 ignored; 0 measured; 29 filtered out", (0, 0)),
             ("12 passed, 3 failed", (0, 0)),
         ];
         for (line, (passed, failed)) in lines {

@@ -84,7 +84,7 @@ impl Report {
     fn slowest(&self) -> String {
         let mut times: Vec<&Timed> = self.tests.times.iter().collect();
         if times.is_empty() {
-            return "The times of the tests are not known: cargo-nextest, which measures them, is not installed."
+            return "The times of the tests are not known: cargo-nextest, which measures them, has run none."
                 .to_owned();
         }
         // The one that failed is said twice: when it ends, and again at the end.
