@@ -66,8 +66,8 @@ pub trait Law {
     fn drive<R: Real>(_p: &[R], at: &Instant<R>, _past: Held<'_>, _memory: &mut Memory<R>, _h: f64) -> R {
         at.u
     }
-    /// D: the instant within a sample of `ts` seconds at which the drive that the effect hands on switches, s; 0 where
-    /// it switches at samples alone.
+    /// D: the instant within a sample of `ts` seconds at which the drive switches that the effect hands on, s. It is 0
+    /// where the drive switches at samples alone.
     fn switches_at<R: Real>(_p: &[R], _ts: f64) -> f64 {
         0.0
     }
