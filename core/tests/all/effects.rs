@@ -162,6 +162,21 @@ fn a_delay_and_a_lag_within_a_sample_differ() {
     assert!((apart - 1.0).abs() < 1e-9, "{apart}");
 }
 
+/// Whatever the delay and the sample period are, the plant comes to an end.
+#[test]
+fn a_delay_ends_on_any_input() {
+    let numbers = [0.0, -1.0, 1e-300, 1e-3, 0.7, 1e300, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+    for (tau, ts) in numbers.iter().flat_map(|tau| numbers.iter().map(move |ts| (*tau, *ts))) {
+        let effects = [Effect::new(Kind::Delay, &[tau])];
+        let plant = Plant { base: BASE, effects: &effects };
+        let mut state = plant.at_rest(0.0);
+        for n in [0, 1, 8] {
+            plant.advance(&mut state, Drive { u: &[0.5, 1.0], ts, t: 0.0 }, n);
+        }
+        plant.effect_force(&mut state, Drive { u: &[0.5, 1.0], ts, t: 0.0 }, 0.0, 1.0, 0.0);
+    }
+}
+
 /// Ripples of several wave numbers add up, each by its own: to rounding. Along an imposed motion nothing else acts.
 #[test]
 fn ripples_of_several_wave_numbers_add_up() {

@@ -6,6 +6,8 @@ use crate::scalar::Real;
 
 /// Share of a sample below which two instants are one.
 const SHORT: f64 = 1e-6;
+/// Most samples that a sub-step reaches over. It is shorter than a sample; so many bound the work on any input.
+const MOST_SAMPLES: usize = 64;
 
 /// Delay of the drive: `u_a(t) = u(t − τ)`.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +41,7 @@ impl Law for Delay {
         }
         let (ts, delay_s) = (past.ts, p[0].to_f64());
         let newest = past.u.len() as i64 - 1;
-        let held = |k: f64| past.u.get((newest + k as i64).clamp(0, newest) as usize).copied().unwrap_or(0.0);
+        let held = |k: f64| past.u.get(newest.saturating_add(k as i64).clamp(0, newest) as usize).copied().unwrap_or(0.0);
         // The sub-step, shifted back by τ, covers parts of held samples. The mean of u over it is exact. A longer delay
         // brings more of the sample before each edge, and less of the one after it. An edge between two sub-steps
         // belongs to each of them by half.
@@ -51,7 +53,7 @@ impl Law for Delay {
         if from - k * ts <= short {
             slope = 0.5 * (held(k - 1.0) - held(k));
         }
-        loop {
+        for _ in 0..MOST_SAMPLES {
             let edge = (k + 1.0) * ts;
             sum += held(k) * (edge.min(to) - from);
             if edge > to + short {
