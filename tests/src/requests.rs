@@ -25,7 +25,7 @@ pub struct Sessions {
     #[arg(long)]
     pub seeds: Option<String>,
     /// What each session hides: `cogging,delay+spring,none`
-    #[arg(long)]
+    #[arg(long, requires = "seeds")]
     pub effects: Option<String>,
     /// Per cent of the drive
     #[arg(long, value_delimiter = ',', default_value = "10")]

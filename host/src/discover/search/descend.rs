@@ -24,7 +24,7 @@ const WORTH_A_RESTART: f64 = 20.0;
 /// The same as a share of what the fit leaves above the noise. A missing effect takes that; another restart does not.
 const OF_WHAT_IS_LEFT: f64 = 0.01;
 
-/// Whether the effects take many sub-steps of a sample. Half of the sub-steps are then enough for most of a fit.
+/// Whether the effects take many sub-steps of a sample, as stiff bristles do. Half of the sub-steps are then enough for most of a fit.
 pub(super) fn is_slow(effects: &[Effect<f64>]) -> bool {
     effects.iter().any(|effect| effect.kind.bristles())
 }

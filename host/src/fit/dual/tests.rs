@@ -76,6 +76,19 @@ fn motion<R: Real>(p: [R; 7]) -> Vec<R> {
         .collect()
 }
 
+/// The derivatives of a motion with respect to parameter `i` are the central differences of step `h`, to `tolerance` of the
+/// largest. `moved` simulates with that parameter changed.
+fn agree<const N: usize>(dual: &[Dual<N>], i: usize, h: f64, moved: &dyn Fn(f64) -> Vec<f64>, tolerance: f64) {
+    let (above, below) = (moved(h), moved(-h));
+    let largest = dual.iter().map(|d| f64::from(d.gradient[i]).abs()).fold(0.0, f64::max);
+    assert!(largest > 0.0);
+    for (k, d) in dual.iter().enumerate() {
+        let difference = (above[k] - below[k]) / (2.0 * h);
+        let found = f64::from(d.gradient[i]);
+        assert!((found - difference).abs() < tolerance * largest, "{i} at {k}: {found} {difference}");
+    }
+}
+
 /// One simulation with dual numbers gives the same as fourteen by differences, through reversals and a rest. They
 /// differ by the rounding of single precision. That is 6e-8 in each of some hundred dependent operations: 1e-5 of the
 /// largest derivative.
@@ -93,14 +106,7 @@ fn sensitivities_of_a_motion_with_reversals_and_stick() {
             q[i] += by;
             motion::<f64>(q)
         };
-        let (above, below) = (moved(h), moved(-h));
-        let largest = dual.iter().map(|d| f64::from(d.gradient[i]).abs()).fold(0.0, f64::max);
-        assert!(largest > 0.0);
-        for (k, d) in dual.iter().enumerate() {
-            let difference = (above[k] - below[k]) / (2.0 * h);
-            let found = f64::from(d.gradient[i]);
-            assert!((found - difference).abs() < 1e-5 * largest, "{i} at {k}: {found} {difference}");
-        }
+        agree(&dual, i, h, &moved, 1e-5);
     }
 }
 
@@ -131,14 +137,7 @@ fn sensitivities_of_a_delay_and_a_lag() {
         for i in 0..2 {
             let h = 1e-4 * p[i];
             let moved = |by: f64| delayed::<f64>(std::array::from_fn(|j| if j == i { p[j] + by } else { p[j] }));
-            let (above, below) = (moved(h), moved(-h));
-            let largest = dual.iter().map(|d| f64::from(d.gradient[i]).abs()).fold(0.0, f64::max);
-            assert!(largest > 0.0);
-            for (k, d) in dual.iter().enumerate() {
-                let difference = (above[k] - below[k]) / (2.0 * h);
-                let found = f64::from(d.gradient[i]);
-                assert!((found - difference).abs() < 0.01 * largest, "{p:?} {i} at {k}: {found} {difference}");
-            }
+            agree(&dual, i, h, &moved, 0.01);
         }
     }
 }
