@@ -163,8 +163,8 @@ fn a_delay_and_a_lag_within_a_sample_differ() {
 }
 
 /// A body without friction under a step of the drive, with a lag of .2 to 100 samples. Its position is
-/// a·(t²/2 − τ·t + τ²·(1 − e^(−t/τ))), to rounding. From 10 samples on the moment of the drive is a series, whose next term is
-/// (h/τ)⁴/360: 2e-8 of the step at h/τ = .05, of which 12 samples add up.
+/// a·(t²/2 − τ·t + τ²·(1 − e^(−t/τ))). From 10 samples on the moment of the drive is a series. Its next term is (h/τ)⁴/360,
+/// which is 2e-8 of the step at h/τ = .05. That of 24 sub-steps adds up.
 #[test]
 fn a_lag_of_any_length_is_exact() {
     let (base, acceleration, t) = (Base { b: 0.02, c: 0.0, f1: 0.0 }, 50.0, 12.0 * H);
