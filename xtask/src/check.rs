@@ -166,7 +166,7 @@ fn host_tests(programs: Programs) -> (Tests, Result<()>) {
         return run_counting(&mut { others });
     }
     // A virtual board is an emulator, a plant and a client, with time-outs of real time between them. Together they take about
-    // one core. The other tests get what is left.
+    // half of a core. The other tests get what is left.
     run_counting_both(nextest(&real_time, &programs).args(["--test-threads", "1"]), &mut { others })
 }
 

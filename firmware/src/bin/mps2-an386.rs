@@ -8,6 +8,7 @@ mod image {
     };
     use breakaway_firmware::board::mps2_an386::{Link, Lockstep, Received, SimulatedFlash, Uart, Virtual};
     use breakaway_firmware::storage::FlashStore;
+    use cortex_m::asm::wfi;
     use cortex_m::peripheral::SCB;
     use cortex_m_rt::entry;
 
@@ -18,6 +19,7 @@ mod image {
             if let Some(Received::Start(tick_hz, settings)) = lockstep.poll() {
                 break (tick_hz.max(1), settings);
             }
+            wfi();
         };
         let identity = Identity {
             board: "mps2-an386",
@@ -51,6 +53,8 @@ mod image {
             if app.poll() == Wish::Reboot {
                 SCB::sys_reset();
             }
+            // A byte of the plant or of the link wakes it. QEMU would take a whole core of the host otherwise.
+            wfi();
         }
     }
 

@@ -1,42 +1,65 @@
-//! A CMSDK APB UART (Arm DDI 0479, chapter 4.3), polled.
+//! A CMSDK APB UART (Arm DDI 0479, chapter 4.3). It is polled; its interrupt only ends the processor's sleep.
+
+use cortex_m::interrupt::InterruptNumber;
+use cortex_m::peripheral::NVIC;
 
 use crate::board::Wire;
 
 const DATA: usize = 0x0;
 const STATE: usize = 0x4;
 const CTRL: usize = 0x8;
+const INT_CLEAR: usize = 0xc;
 const BAUDDIV: usize = 0x10;
 
 const TX_FULL: u32 = 1;
 const RX_FULL: u32 = 2;
+const TX_ENABLE: u32 = 1;
+const RX_ENABLE: u32 = 2;
+const RX_INTERRUPT_ENABLE: u32 = 8;
+const RX_INTERRUPT: u32 = 2;
+
+/// The number of an interrupt of a receiver.
+#[derive(Clone, Copy, Debug)]
+struct Receiver(u16);
+
+// SAFETY: the numbers that `link` and `plant` give are those of the board's receivers, below its 32 interrupts.
+unsafe impl InterruptNumber for Receiver {
+    fn number(self) -> u16 {
+        self.0
+    }
+}
 
 /// One UART.
 #[derive(Debug)]
 pub struct Uart {
     base: usize,
+    receiver: Receiver,
 }
 
 impl Uart {
     /// UART0: the link.
     #[must_use]
     pub fn link() -> Self {
-        Self::at(0x4000_4000)
+        Self::at(0x4000_4000, Receiver(0))
     }
 
     /// UART1: the plant.
     #[must_use]
     pub fn plant() -> Self {
-        Self::at(0x4000_5000)
+        Self::at(0x4000_5000, Receiver(2))
     }
 
-    fn at(base: usize) -> Self {
-        let mut uart = Self { base };
+    fn at(base: usize, receiver: Receiver) -> Self {
+        let mut uart = Self { base, receiver };
         // The smallest divider it accepts; QEMU is not slowed by it.
         uart.write_register(BAUDDIV, 16);
-        // Transmitter and receiver on.
-        uart.write_register(CTRL, 3);
+        uart.write_register(CTRL, TX_ENABLE | RX_ENABLE | RX_INTERRUPT_ENABLE);
         // A byte from before the reset is nobody's; and QEMU listens to its end of the line only once it was read here.
         uart.read_register(DATA);
+        // There is no handler. Interrupts are masked, and one that is pending ends the sleep of the image's loop.
+        cortex_m::interrupt::disable();
+        // SAFETY: no critical section relies on this interrupt's mask, because nothing runs in its handler.
+        unsafe { NVIC::unmask(receiver) };
         uart
     }
 
@@ -50,9 +73,15 @@ impl Uart {
         unsafe { ((self.base + offset) as *mut u32).write_volatile(value) }
     }
 
-    /// A received byte, if there is one.
+    /// A received byte, if there is one. Until it is taken here, the processor does not sleep.
     pub fn receive(&mut self) -> Option<u8> {
-        (self.read_register(STATE) & RX_FULL != 0).then(|| self.read_register(DATA) as u8)
+        if self.read_register(STATE) & RX_FULL == 0 {
+            return None;
+        }
+        // Before the byte is read: the next one cannot arrive until then, so that no announcement is lost.
+        self.write_register(INT_CLEAR, RX_INTERRUPT);
+        NVIC::unpend(self.receiver);
+        Some(self.read_register(DATA) as u8)
     }
 
     /// Sends a byte, waiting for room.
