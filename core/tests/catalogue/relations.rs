@@ -103,6 +103,27 @@ fn a_general_effect_becomes_the_special_one() {
     }
 }
 
+/// An effect in the place of another moves the axis alike, to rounding. The two may be confused. A dead time may be a dead
+/// zone.
+#[test]
+fn an_effect_in_the_place_of_another_is_that() {
+    let mut all = Vec::new();
+    for &special in Kind::ALL {
+        let effect = strong(special, PLAIN);
+        for (general, same) in Kind::ALL.iter().filter_map(|general| Some((*general, effect.as_kind(*general)?))) {
+            let worst = moved(&[effect], PLAIN)
+                .iter()
+                .zip(moved(&[same], PLAIN))
+                .fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
+            assert!(worst < 1e-9, "{general:?} {special:?}: {worst}");
+            let confused = |a: Kind, b: Kind| a.definition().confused_with.contains(&b.name());
+            assert!(same.kind == general && (confused(general, special) || confused(special, general)), "{general:?}");
+            all.push((general, special));
+        }
+    }
+    assert_eq!(all, [(Kind::PwmDeadTime, Kind::DeadZone)]);
+}
+
 /// Everything that an effect generalises, in any number of steps.
 fn below(kind: Kind) -> BTreeSet<&'static str> {
     let mut all = BTreeSet::new();

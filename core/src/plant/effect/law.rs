@@ -1,6 +1,6 @@
 //! What a physical effect is: a definition, and the hooks through which it acts.
 
-use super::{Compensation, Definition, Element};
+use super::{Compensation, Definition, Effect, Element};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -137,6 +137,11 @@ pub trait Law {
     /// none of them.
     fn element(_p: &[f64], _base: &Base<f64>) -> Element {
         Element::Other
+    }
+    /// The effect with the parameters that give it the law of `other`; `None` where none do. A fit of the effect in the
+    /// place of `other` begins there too, so that it ends no worse.
+    fn in_the_place_of(_other: &Effect<f64>) -> Option<Effect<f64>> {
+        None
     }
     /// Least sub-steps of a sample period.
     const SUB_STEPS: usize = 1;

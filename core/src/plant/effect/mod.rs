@@ -129,6 +129,10 @@ macro_rules! catalogue {
         }
 
         impl Effect<f64> {
+            /// Another effect with the law of this one. See [`Law::in_the_place_of`].
+            pub fn as_kind(&self, kind: Kind) -> Option<Self> {
+                match kind { $(Kind::$law => $law::in_the_place_of(self),)* }
+            }
             /// See [`Law::element`].
             pub fn element(&self, base: &Base<f64>) -> Element {
                 match self.kind { $(Kind::$law => $law::element(&self.p, base),)* }

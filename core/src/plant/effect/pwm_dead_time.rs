@@ -1,6 +1,8 @@
 //! A bridge loses voltage in its dead time, against the direction of the current.
 
-use super::{ActsIn, Compensation, Definition, Element, Held, Instant, Law, Memory, Parameter, Role, Scale, Search};
+use super::{
+    ActsIn, Compensation, Definition, Effect, Element, Held, Instant, Kind, Law, Memory, Parameter, Role, Scale, Search,
+};
 use crate::plant::base::Base;
 use crate::scalar::Real;
 
@@ -39,6 +41,11 @@ impl Law for PwmDeadTime {
         // below 1 + 10·d/i0.
         let edge = (p[1] - p[0]).max(p[1].scale(0.1)).max(R::from_f64(1e-9));
         Some(Compensation::DeadTime { loss: p[0], edge, back_emf: p[2] })
+    }
+
+    fn in_the_place_of(other: &Effect<f64>) -> Option<Effect<f64>> {
+        // No back-EMF, and a transition as wide as the loss: below it the whole drive is lost.
+        (other.kind == Kind::DeadZone).then(|| Effect::new(Kind::PwmDeadTime, &[other.p[0], other.p[0], 0.0]))
     }
 
     fn element(p: &[f64], _base: &Base<f64>) -> Element {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::compare::{NAMING, gain, names, simplest};
 use super::descend::{FINAL_ITERATIONS, over_all};
 use super::halving::Halving;
+use super::incumbent::Incumbent;
 use super::plausible::resolved;
 use super::refine::refined;
 use crate::discover::data::Data;
@@ -77,7 +78,7 @@ pub(super) fn add(
     data: &Data,
     current: &Fit,
     (kinds, compared): (&[Kind], &(dyn Fn() + Sync)),
-    incumbent: Option<&Fit>,
+    incumbent: Option<Incumbent<'_>>,
     rotary: bool,
 ) -> Option<Round> {
     let screen = Screen::of_all_widths(data, &current.candidate)?;
@@ -92,9 +93,9 @@ pub(super) fn add(
     gains.sort_by(|a, b| b.1.total_cmp(&a.1));
     let best = gains.first().map_or(0.0, |g| g.1);
     // An effect that gains little beside the incumbent is neither tied with it nor better.
-    let contested = incumbent.map_or(f64::NEG_INFINITY, |fit| RIVAL * halving.gain_of(fit));
+    let contested = incumbent.map_or(f64::NEG_INFINITY, |own| RIVAL * halving.gain_of(own.fit));
     let left = gains.first().and_then(|g| first[g.0].fit.as_ref().ok()).map_or(0.0, |fit| median(fit.mse.clone()));
-    let reached = incumbent.map(|fit| median(fit.mse.clone()));
+    let reached = incumbent.map(|own| median(own.fit.mse.clone()));
     let data = data.softened(FINAL_FLOOR * left.min(reached.unwrap_or(f64::INFINITY)));
     let without = Model::of(current)
         .fit(&data.problem(), Some(&current.initial), FINAL_ITERATIONS)
@@ -119,7 +120,10 @@ pub(super) fn add(
             resolved(&data, &fit.candidate, &fit.candidate.effects)?;
             Ok(fit)
         });
-        Tried { kind, fit }
+        let cost = |fit: &Result<Fit, String>| fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
+        let successor = incumbent.and_then(|own| own.successor(&data, current, kind)).map(Ok);
+        let successor = successor.filter(|successor| cost(successor) < cost(&fit));
+        Tried { kind, fit: successor.unwrap_or(fit) }
     });
     let mut tried: Vec<Tried> = finished.collect();
     refine(&data, &without, incumbent, &mut tried, rotary);
@@ -168,9 +172,9 @@ fn over_part(
 
 /// Refines what is competitive. A law that is at the noise leaves nothing to one with more parameters, which is then
 /// left as it is. The exception is an effect that may be confused with that law: it must be shown as well as it can be.
-fn refine(data: &Data, without: &Fit, incumbent: Option<&Fit>, tried: &mut [Tried], rotary: bool) {
+fn refine(data: &Data, without: &Fit, incumbent: Option<Incumbent<'_>>, tried: &mut [Tried], rotary: bool) {
     // Where nothing gains, no share is positive, so that nothing is refined but thresholds.
-    let own = incumbent.map(|fit| data.problem().cost_of(&fit.mse));
+    let own = incumbent.map(|own| data.problem().cost_of(&own.fit.mse));
     let best = tried.iter().map(Tried::cost).chain(own).fold(without.cost, f64::min);
     let share = |fit: &Fit| (without.cost - fit.cost) / (without.cost - best);
     let fits = tried.iter().filter_map(|t| Some((t.kind, t.fit.as_ref().ok()?)));

@@ -10,6 +10,7 @@ use super::Search;
 use super::add::{Round, add};
 use super::compare::{as_good, better, gain, has_body};
 use super::descend::LAST_ITERATIONS;
+use super::incumbent::Incumbent;
 use super::node::Node;
 use crate::discover::data::Data;
 use crate::discover::gap::Gap;
@@ -47,7 +48,8 @@ impl Search<'_> {
             model.fit(&self.data.problem(), Some(&node.fit.initial), LAST_ITERATIONS).ok()?
         };
         let kinds = confusable(node.kinds()[j], !node.gap.something_left());
-        add(self.data, &without, (&kinds, &|| ()), Some(&node.fit), self.rotary).map(Arc::new)
+        let incumbent = Incumbent { fit: &node.fit, place: self.known + j };
+        add(self.data, &without, (&kinds, &|| ()), Some(incumbent), self.rotary).map(Arc::new)
     }
 
     /// The model without the effects that the others can do without. An effect is also exchanged for another that does
@@ -129,7 +131,9 @@ pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[
         return Vec::new();
     };
     // An effect that needs an angle is left to the judge, which can weigh it.
-    let Some(round) = add(data, &without, (kinds, &|| ()), Some(fit), false) else { return Vec::new() };
+    let Some(round) = add(data, &without, (kinds, &|| ()), Some(Incumbent { fit, place: j }), false) else {
+        return Vec::new();
+    };
     let standing = |own: &Fit| {
         let extra = own.free.len().saturating_sub(fit.free.len());
         if better(&gain(&round.data, fit, own), extra) {

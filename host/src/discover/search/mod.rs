@@ -7,6 +7,7 @@ mod contest;
 mod descend;
 mod end;
 mod halving;
+mod incumbent;
 mod node;
 mod plausible;
 mod refine;
