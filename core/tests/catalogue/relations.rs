@@ -122,6 +122,9 @@ fn an_effect_in_the_place_of_another_is_that() {
         }
     }
     assert_eq!(all, [(Kind::PwmDeadTime, Kind::DeadZone)]);
+    // A dead zone of no width loses nothing.
+    let none = Effect::new(Kind::DeadZone, &[0.0]).as_kind(Kind::PwmDeadTime).unwrap();
+    assert_eq!(moved(&[none], PLAIN), moved(&[], PLAIN));
 }
 
 /// Everything that an effect generalises, in any number of steps.

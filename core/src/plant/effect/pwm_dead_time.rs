@@ -45,7 +45,9 @@ impl Law for PwmDeadTime {
 
     fn in_the_place_of(other: &Effect<f64>) -> Option<Effect<f64>> {
         // No back-EMF, and a transition as wide as the loss: below it the whole drive is lost.
-        (other.kind == Kind::DeadZone).then(|| Effect::new(Kind::PwmDeadTime, &[other.p[0], other.p[0], 0.0]))
+        let d = other.p[0];
+        (other.kind == Kind::DeadZone)
+            .then(|| Effect::new(Kind::PwmDeadTime, &[d, d.max(Self::DEFINITION.parameters[1].min), 0.0]))
     }
 
     fn element(p: &[f64], _base: &Base<f64>) -> Element {

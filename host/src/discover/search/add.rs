@@ -121,7 +121,7 @@ pub(super) fn add(
             Ok(fit)
         });
         let cost = |fit: &Result<Fit, String>| fit.as_ref().map_or(f64::INFINITY, |fit| fit.cost);
-        let successor = incumbent.and_then(|own| own.successor(&data, current, kind)).map(Ok);
+        let successor = incumbent.and_then(|own| own.successor(&data, current, kind, rotary)).map(Ok);
         let successor = successor.filter(|successor| cost(successor) < cost(&fit));
         Tried { kind, fit: successor.unwrap_or(fit) }
     });

@@ -2,6 +2,7 @@
 
 use breakaway_core::plant::Kind;
 
+use super::add::excluded;
 use super::descend::FINAL_ITERATIONS;
 use super::plausible::resolved;
 use crate::discover::data::Data;
@@ -19,9 +20,12 @@ pub(super) struct Incumbent<'a> {
 
 impl Incumbent<'_> {
     /// The fit of an effect in the incumbent's place that begins with the incumbent's law, so that it ends no worse.
-    /// `current` is the model without the incumbent. `None` where no parameters give the effect that law, or where the fit is
-    /// not believed.
-    pub(super) fn successor(self, data: &Data, current: &Fit, kind: Kind) -> Option<Fit> {
+    /// `current` is the model without the incumbent. `None` where no parameters give the effect that law, where it cannot stand
+    /// beside the others, or where the fit is not believed.
+    pub(super) fn successor(self, data: &Data, current: &Fit, kind: Kind, rotary: bool) -> Option<Fit> {
+        if excluded(kind, &current.candidate.effects, rotary).is_some() {
+            return None;
+        }
         let mut values = self.fit.candidate.clone();
         let new = values.effects.remove(self.place).as_kind(kind)?;
         values.effects.push(new);
@@ -41,7 +45,7 @@ mod tests {
     use crate::discover::judge::bar::tests::Axis;
 
     /// A dead time that begins as the dead zone has the dead zone's cost at first, and ends with no more. No parameters of
-    /// a load make it a dead zone.
+    /// a load make it a dead zone, and no model has two dead times.
     #[test]
     fn a_dead_time_begins_as_the_dead_zone() {
         let recordings = [1, 2].map(|seed| Axis { f1: 0.1, drag: 0.0, load: 0.0, seed }.recording()).to_vec();
@@ -51,9 +55,10 @@ mod tests {
         let zone = Model::of(base).with(Effect::new(Kind::DeadZone, &[0.02]));
         let fit = zone.fit(&data.problem(), Some(&base.initial), FINAL_ITERATIONS).unwrap();
         let incumbent = Incumbent { fit: &fit, place: 0 };
-        let time = incumbent.successor(data, base, Kind::PwmDeadTime).unwrap();
+        let time = incumbent.successor(data, base, Kind::PwmDeadTime, true).unwrap();
         assert_eq!(time.candidate.effects[0].kind, Kind::PwmDeadTime);
         assert!(time.cost <= fit.cost, "{} {}", time.cost, fit.cost);
-        assert!(incumbent.successor(data, base, Kind::ConstantLoad).is_none());
+        assert!(incumbent.successor(data, base, Kind::ConstantLoad, true).is_none());
+        assert!(incumbent.successor(data, &time, Kind::PwmDeadTime, true).is_none());
     }
 }
