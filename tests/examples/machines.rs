@@ -1,7 +1,7 @@
 //! Discovers the real machines and scores the names: `cargo xtask machines --machines emps,xl330 --splits all,halves`.
 //!
 //! `--splits` takes `all`, `groups`, `without`, `halves`, `thirds`, `full` (all of them) and `quick` (one split of six
-//! machines). With `--csv FILE` rows that the file holds already are not made again, unless `--anew` is given; a row is
+//! machines). Beside these it takes `alone` (files alone) and `altered` (all files, made worse). With `--csv FILE` rows that the file holds already are not made again, unless `--anew` is given; a row is
 //! written as it ends. `--table` only draws the tables of the file, and `--page FILE --date DATE --command LINE` writes
 //! them as docs/machines.md. `--export FOLDER` writes the recordings as plain tables, and `--compare NAME=FILE` draws the
 //! rows of several programs side by side.
@@ -15,7 +15,7 @@ use breakaway_tests::machines::catalogue::MACHINES;
 use breakaway_tests::machines::compare::{self, Program};
 use breakaway_tests::machines::reading::{self, ReadingError};
 use breakaway_tests::machines::rows::{self, Row};
-use breakaway_tests::machines::splits::{Split, splits, taken};
+use breakaway_tests::machines::splits::{Split, harder, splits, taken};
 use breakaway_tests::machines::{Machine, discovery, drive_free, export, page, quick};
 use breakaway_tests::markdown::wrapped;
 use breakaway_tests::measured_data;
@@ -26,7 +26,7 @@ struct Asked {
     /// Machines [default: all]; `laas` stands for all whose name begins so
     #[arg(long, value_delimiter = ',')]
     machines: Vec<String>,
-    /// Kinds of splits: all, groups, without, halves, thirds, full, quick
+    /// Kinds of splits: all, groups, without, halves, thirds, full, quick, alone, altered
     #[arg(long, value_delimiter = ',', default_value = "all")]
     splits: Vec<String>,
     /// File of the rows
@@ -64,11 +64,11 @@ struct Asked {
 impl Asked {
     fn pairs(&self) -> Result<Vec<(&'static Machine, Split)>, String> {
         let quick_asked = self.splits.iter().any(|kind| kind == "quick");
-        let kind = |split: &Split| self.splits.iter().any(|asked| asked == "full" || asked == split.kind());
+        let asked = |kind: &str| self.splits.iter().any(|asked| asked == kind);
         let machine = |machine: &Machine| {
             self.machines.is_empty() || self.machines.iter().any(|name| machine.name.starts_with(name.as_str()))
         };
-        let kinds = ["all", "groups", "without", "halves", "thirds", "full", "quick"];
+        let kinds = ["all", "groups", "without", "halves", "thirds", "full", "quick", "alone", "altered"];
         if let Some(unknown) = self.splits.iter().find(|asked| !kinds.contains(&asked.as_str())) {
             return Err(format!("--splits {unknown}: one of {}", kinds.join(", ")));
         }
@@ -77,9 +77,13 @@ impl Asked {
             let names: Vec<&str> = MACHINES.iter().map(|machine| machine.name).collect();
             return Err(format!("--machines {unknown}: one of {}", names.join(", ")));
         }
-        let every =
-            MACHINES.into_iter().flat_map(|machine| splits(machine).into_iter().map(move |split| (machine, split)));
-        let mut pairs: Vec<_> = every.filter(|(of, split)| machine(of) && kind(split)).collect();
+        let of_machine = |machine: &Machine| -> Vec<Split> {
+            let full = splits(machine).into_iter().filter(|split| asked("full") || asked(split.kind()));
+            full.chain(harder(machine).into_iter().filter(|split| asked(split.kind()))).collect()
+        };
+        let every = MACHINES.into_iter().filter(|of| machine(of));
+        let mut pairs: Vec<(&Machine, Split)> =
+            every.flat_map(|machine| of_machine(machine).into_iter().map(move |split| (machine, split))).collect();
         if quick_asked {
             let more = quick().into_iter().filter(|(of, _)| machine(of));
             let more: Vec<_> =

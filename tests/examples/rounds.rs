@@ -18,7 +18,7 @@ use breakaway_hidden::Role;
 use breakaway_tests::blind::recordings;
 use breakaway_tests::machines::catalogue::MACHINES;
 use breakaway_tests::machines::reading;
-use breakaway_tests::machines::splits::{splits, taken};
+use breakaway_tests::machines::splits::{harder, splits, taken};
 use breakaway_tests::measured_data;
 use breakaway_tests::requests::{Sessions, request};
 use clap::Parser;
@@ -86,7 +86,9 @@ fn requests(asked: &Asked) -> Vec<(String, Request)> {
     let machines = MACHINES.into_iter().filter(|own| asked.machines.iter().any(|name| own.name.starts_with(name)));
     for machine in machines {
         let Some(sources) = measured_data().and_then(|data| reading::read(machine, &data).ok()) else { continue };
-        for split in splits(machine).into_iter().filter(|split| asked.splits.contains(&split.to_string())) {
+        for split in
+            splits(machine).into_iter().chain(harder(machine)).filter(|split| asked.splits.contains(&split.to_string()))
+        {
             let fit = taken(machine, split, &sources).fit;
             if asked.each {
                 all.extend(

@@ -4,6 +4,7 @@
 //! [`score`] judges the names against the truth. `cargo xtask machines` writes docs/machines.md from the rows. The
 //! recordings are in the folder of [`measured_data`](crate::measured_data); the project holds none of them.
 
+pub mod alteration;
 pub mod catalogue;
 pub mod compare;
 pub mod discovery;

@@ -5,6 +5,7 @@ use std::fmt;
 use breakaway::recording::Recording;
 
 use super::Machine;
+use super::alteration::{ALTERATIONS, Alteration};
 use super::reading::Source;
 
 /// Most files that are left out one by one. More files are left out in groups.
@@ -34,6 +35,10 @@ pub enum Split {
         /// Number of parts: 2 or 3.
         of: usize,
     },
+    /// One file alone.
+    Alone(usize),
+    /// All recordings, made worse.
+    Altered(Alteration),
 }
 
 impl fmt::Display for Split {
@@ -45,6 +50,8 @@ impl fmt::Display for Split {
             Self::Part { part, of: 2 } => write!(out, "half {}", part + 1),
             Self::Part { part, of: 3 } => write!(out, "third {}", part + 1),
             Self::Part { part, of } => write!(out, "part {} of {of}", part + 1),
+            Self::Alone(file) => write!(out, "file {} alone", file + 1),
+            Self::Altered(alteration) => alteration.fmt(out),
         }
     }
 }
@@ -58,11 +65,13 @@ impl Split {
             Self::Without { .. } => "without",
             Self::Part { of: 2, .. } => "halves",
             Self::Part { .. } => "thirds",
+            Self::Alone(_) => "alone",
+            Self::Altered(_) => "altered",
         }
     }
 }
 
-/// Every split of a machine.
+/// Every split of a machine but those of [`harder`].
 pub fn splits(machine: &Machine) -> Vec<Split> {
     let mut splits = vec![Split::All];
     splits.extend(machine.groups.iter().map(|group| Split::Group(group.name)));
@@ -75,6 +84,13 @@ pub fn splits(machine: &Machine) -> Vec<Split> {
     splits.extend((0..2).map(|part| Split::Part { part, of: 2 }));
     splits.extend((0..3).map(|part| Split::Part { part, of: 3 }));
     splits
+}
+
+/// Splits that are no part of docs/machines.md's table: up to eight of several files alone, and the alterations.
+pub fn harder(machine: &Machine) -> Vec<Split> {
+    let every = machine.files.div_ceil(MOST_ALONE);
+    let alone = (0..machine.files).step_by(every).filter(|_| machine.files > 1).map(Split::Alone);
+    alone.chain(ALTERATIONS.map(Split::Altered)).collect()
 }
 
 /// Recordings of a split.
@@ -108,6 +124,10 @@ pub fn taken(machine: &Machine, split: Split, sources: &[Source]) -> Taken {
         Split::Group(name) => {
             let holds = machine.groups.iter().find(|group| group.name == name).map_or(&[][..], |group| group.holds);
             fit(chosen(&|_, source| holds.iter().any(|text| source.file.contains(text))))
+        }
+        Split::Alone(file) => fit(chosen(&|k, _| k == file)),
+        Split::Altered(alteration) => {
+            fit(chosen(&|_, _| true).iter().map(|recording| alteration.of(recording)).collect())
         }
         Split::Without { fold, of } => {
             Taken { fit: chosen(&|k, _| k % of != fold), holdout: chosen(&|k, _| k % of == fold) }
