@@ -7,6 +7,7 @@ use super::candidate_rows;
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::engine::{DiscoverError, Request, assembled, prepared};
 use super::following::{contradicted, follows, follows_for_longer, off_by_a_tooth, open_loop, told};
+use super::inertia;
 use super::judge::finding::Finding;
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
@@ -169,9 +170,9 @@ fn beside_doubt(stays: &Ruling) -> Verdict {
     if stays.findings.is_empty() { Verdict::Unknown } else { Verdict::PartlyExplained }
 }
 
-/// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in four
-/// cases. The motion gives none; or it loses an effect; or it is off by a tooth; or its parameters follow the open loop
-/// less well. Where neither can be simulated the base is returned. The remark says why they are those of the force fit.
+/// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in five
+/// cases. The motion gives none; or it loses an effect; or it is off by a tooth; or the forces contradict its inertia; or its
+/// parameters follow the open loop less well. Where neither can be simulated the base is returned. The remark says why they are those of the force fit.
 fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Option<String>) {
     let own = ruling.simulable_base().unwrap_or(base.candidate.base);
     let mut candidate = Candidate { base: own, effects: base.candidate.effects.clone() };
@@ -202,6 +203,8 @@ fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Op
         format!("with those of the simulated motion nothing would be left of {name}")
     } else if off_by_a_tooth(ruling, &by_motion.candidate.effects, || rung(data, &by_motion).holdout_rmse) {
         "the simulated motion is off by a tooth".to_owned()
+    } else if inertia::contradicted(ruling, &by_motion.candidate) {
+        "the measured forces contradict the inertia of the simulated motion".to_owned()
     } else if open_loop(data, &by_force) < open_loop(data, &by_motion) {
         "those of the simulated motion follow the open loop less well".to_owned()
     } else {

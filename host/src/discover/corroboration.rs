@@ -1,16 +1,18 @@
 //! Whether names that the simulated motion alone gives are believed (docs/discovery.md, section 9).
 
-use breakaway_core::plant::Kind;
+use breakaway_core::plant::{Effect, Kind};
 
 use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
 use super::force_residual;
+use super::inertia;
 use super::judge::library::tells;
 use super::judge::ruling::{Candidacy, Ruling};
 use super::judge::settings::Settings;
 use super::judge::term::Name;
 use super::outcome::Discovery;
+use crate::fit::Candidate;
 
 /// Held-out simulation error, over the sensor's noise, below which a model is near that noise.
 const NEAR: f64 = 5.0;
@@ -26,6 +28,9 @@ const OBJECTION: f64 = 1.02;
 /// left there is a force, and a true name takes a part of it. An effect that the forces do not tell takes none; it must
 /// halve the held-out simulation error instead.
 const MATERIAL: f64 = 0.8;
+/// Share of the energy that the names of the measured forces explain of them, which names of the motion must explain. A
+/// further effect, or a rival that does as well, explains most of it. An effect of another machine explains none.
+const AS_MUCH: f64 = 0.5;
 /// z over blocks below which the measured forces speak against a name.
 const AGAINST: f64 = -2.0;
 /// Force that is left, over what the sensor's noise makes of it, above which the measured forces may speak.
@@ -45,6 +50,9 @@ struct Corroboration {
     /// Residual of the measured force, drive units; `None` where the recordings hold too few windows, and for a second
     /// body or bristles.
     force: Option<[f64; 2]>,
+    /// Energy of the measured force that its own names explain, and that those of the motion explain. `None` as of `force`,
+    /// and where an effect acts in less than a window.
+    explained: Option<[f64; 2]>,
     /// See [`differs_untold`].
     untold: bool,
 }
@@ -57,12 +65,17 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if ruling.is_some_and(|ruling| small.effects.iter().all(|named| speaks_against(ruling, named.kind))) {
         return false;
     }
+    if ruling.is_some_and(|ruling| inertia::contradicted(ruling, &small.model)) {
+        return false;
+    }
     let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
     if before.over_noise() < AT_THE_NOISE && generalises(&kinds(small), &kinds(before)) {
         return false;
     }
-    ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)))
-        || Corroboration::of(request, ruling, small, before).holds(small.down_to_the_noise())
+    let witnesses = Corroboration::of(request, ruling, small, before);
+    let agree = ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)));
+    !witnesses.forget_the_forces()
+        && (agree && witnesses.follows_by_the_drive() || witnesses.holds(small.down_to_the_noise()))
 }
 
 /// Whether a law among the `names` of the simulated motion took the place of a special case of it, which the measured forces
@@ -118,8 +131,26 @@ pub(super) fn stands_alone(request: &Request, ruling: Option<&Ruling>, small: &D
     let [before, after] = [first, last].map(|rung| rung.holdout_open_loop_rmse);
     let data = Data::new(&request.recordings, &request.holdout, FIT_SEGMENT_S);
     small.down_to_the_noise()
+        && !ruling.is_some_and(|ruling| inertia::contradicted(ruling, &small.model))
         && after <= OBJECTION * before
         && drive_free::error(&data).is_none_or(|curve| after <= curve)
+}
+
+/// See [`Corroboration::explained`].
+fn explained(request: &Request, data: &Data, ruling: &Ruling, small: &Discovery) -> Option<[f64; 2]> {
+    let named = ruling.findings.iter().map(|finding| finding.effect);
+    let known = request.model.iter().flat_map(|model| model.effects.iter().copied());
+    let of_forces: Vec<Effect<f64>> = known.clone().chain(named.clone()).collect();
+    let untold = |effect: &Effect<f64>| effect.kind.second_body() || !tells(effect.kind);
+    if named.len() == 0 || small.model.effects.iter().chain(&of_forces).any(untold) {
+        return None;
+    }
+    let left = |effects: Vec<Effect<f64>>| {
+        let model = Candidate { base: small.model.base, effects };
+        force_residual::over_all(data, &model, ruling.half_width_s).map(|left| left * left)
+    };
+    let without = left(known.collect())?;
+    Some([without - left(of_forces)?, without - left(small.model.effects.clone())?])
 }
 
 impl Corroboration {
@@ -137,7 +168,9 @@ impl Corroboration {
             let of = |found: &Discovery| force_residual::held_out(data, &found.model, width_s);
             Some([of(before)?, of(small)?])
         });
+        let explained = ruling.zip(data.as_ref()).and_then(|(ruling, data)| explained(request, data, ruling, small));
         Self {
+            explained,
             over_noise: [before.over_noise(), small.over_noise()],
             open_loop: [open_loop(before), open_loop(small)],
             drive_free: data.as_ref().and_then(drive_free::error).unwrap_or(f64::INFINITY),
@@ -146,13 +179,24 @@ impl Corroboration {
         }
     }
 
+    /// Whether the names leave what the names of the measured forces explain.
+    fn forget_the_forces(&self) -> bool {
+        self.explained.is_some_and(|[forces, names]| forces > 0.0 && names < AS_MUCH * forces)
+    }
+
+    /// Whether the model with the names follows the open loop better than a curve that does not use the drive.
+    fn follows_by_the_drive(&self) -> bool {
+        let [_, follows] = self.open_loop;
+        follows <= self.drive_free
+    }
+
     fn holds(&self, down_to_the_noise: bool) -> bool {
         let [without, with] = self.over_noise;
         let [drifts, follows] = self.open_loop;
         // No model follows impacts for longer than a part of a second. So at the noise the open loop may grow. Where no
         // window of 1 s is held out, both errors are 0.
         let drifts_off = follows > OBJECTION * drifts && with >= AT_THE_NOISE;
-        if drifts_off || follows > self.drive_free {
+        if drifts_off || !self.follows_by_the_drive() {
             return false;
         }
         let force = self.force.map(|[before, after]| after / before);
@@ -176,6 +220,7 @@ mod tests {
         open_loop: [6e-3, 3e-3],
         drive_free: 2e-2,
         force: Some([1.0, 0.9]),
+        explained: None,
         untold: false,
     };
 
@@ -231,6 +276,7 @@ mod tests {
             open_loop: [1.28e-2, 5.37e-2],
             drive_free: 0.162,
             force: None,
+            explained: None,
             untold: true,
         };
         assert!(at_the_noise.holds(false));
@@ -256,6 +302,7 @@ mod tests {
             open_loop: [2.51e-2, 5.56e-3],
             drive_free: 0.158,
             force: Some([3.99e-3, 3.33e-3]),
+            explained: None,
             untold: true,
         };
         assert!(stiction.holds(false));

@@ -14,7 +14,13 @@ pub(super) fn held_out(data: &Data, model: &Candidate, half_width_s: f64) -> Opt
     Some(Screen::of_width(&over, model, half_width_s)?.residual_norm())
 }
 
-/// The same in the fitted segments and in the held-out ones, over the drive's rms there. `None` for a second body, whose
+/// The same in all windows.
+pub(super) fn over_all(data: &Data, model: &Candidate, half_width_s: f64) -> Option<f64> {
+    let over = Data { fit: data.fit.iter().chain(&data.score).copied().collect(), ..data.clone() };
+    Some(Screen::of_width(&over, model, half_width_s)?.residual_norm())
+}
+
+/// The share in the fitted segments and in the held-out ones, over the drive's rms there. `None` for a second body, whose
 /// force the measured motion does not tell.
 pub(super) fn shares(data: &Data, model: &Candidate) -> Option<[f64; 2]> {
     if model.effects.iter().any(|effect| effect.kind.second_body()) {

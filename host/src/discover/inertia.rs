@@ -1,7 +1,13 @@
-//! Whether the recordings tell the inertia.
+//! What the recordings tell of the inertia.
+
+use breakaway_core::plant::effect::Memory;
 
 use super::engine::FAR;
 use super::judge::ruling::Ruling;
+use crate::fit::Candidate;
+
+/// Largest factor by which a model's inertia may be outside what the measured forces allow.
+const OUTSIDE: f64 = 2.0;
 
 /// Why a model's inertia `b` is no measurement; `None` where it is one. `over_noise` is the model's held-out error over the
 /// sensor's noise, and `unit` that of b.
@@ -17,6 +23,25 @@ pub(super) fn untold(ruling: &Ruling, b: f64, over_noise: f64, unit: &str) -> Op
             "the recordings do not tell the inertia: the drive determines {percent:.0} % of the acceleration. The forces \
              give b = {by_force:.2e} {unit}, and the model has {b:.2e}. Record steps and reversals that accelerate the axis"
         )
+    })
+}
+
+/// Whether the measured forces contradict the inertia of a model. Noise in the motion makes the inertia of side U too small,
+/// and noise in the drive makes that of side A too large: the true one is between them (Frisch's bounds). Where the drive
+/// tells nothing of the acceleration there are no such bounds.
+pub(super) fn contradicted(ruling: &Ruling, model: &Candidate) -> bool {
+    let [least, most] = inertias(model);
+    let [of_u, of_a] = [ruling.base.b, ruling.base.b / ruling.coherence.min(1.0)];
+    ruling.tells_inertia() && (most * OUTSIDE < of_u || least > of_a * OUTSIDE)
+}
+
+/// The least inertia that accelerates in a model, and the most. A second body may swing apart from the first, and a step
+/// changes the inertia.
+fn inertias(model: &Candidate) -> [f64; 2] {
+    let b = model.base.b;
+    model.effects.iter().fold([b, b], |[least, most], effect| {
+        let [before, after] = [-f64::MAX, f64::MAX].map(|t| effect.inertia(t, &Memory::default()));
+        [least * before.min(after), most * before.max(after).max(1.0)]
     })
 }
 

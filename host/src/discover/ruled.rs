@@ -77,9 +77,8 @@ pub(super) fn leaves_nothing_predictable(request: &Request, model: &Candidate, r
     let bodies = model.effects.iter().any(|effect| effect.kind.second_body());
     let wider = ruling.half_width_s..=f64::INFINITY;
     let again = || rule_beside(&request.recordings, Some(model), wider, units, &Settings::default());
-    let nothing = |again: Ruling| {
-        again.findings.is_empty() && again.remainder.predictable.is_none() && again.tells_nothing_is_missing()
-    };
+    let nothing =
+        |again: Ruling| again.findings.is_empty() && again.remainder.predictable.is_none() && again.leaves_nothing();
     !bodies && ruling.of_recordings.is_none() && again().is_some_and(nothing)
 }
 

@@ -297,11 +297,18 @@ impl<'a> Screen<'a> {
 
 /// Typical travel within a segment, position units: the median, at least the noise.
 pub(super) fn stroke(data: &Data) -> f64 {
-    let travels = data.fit.iter().map(|s| {
-        let x = &data.tracks[s.track].xs[s.start..s.start + s.len];
-        x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
-    });
+    let travels = data.fit.iter().map(|s| extent(&data.tracks[s.track].xs[s.start..s.start + s.len]));
     median(travels.collect()).max(data.sigma)
+}
+
+/// Largest travel within a recording, position units, at least the noise.
+pub(super) fn travel(data: &Data) -> f64 {
+    data.tracks.iter().map(|track| extent(&track.xs)).fold(data.sigma, f64::max)
+}
+
+/// From the least position to the largest.
+fn extent(x: &[f64]) -> f64 {
+    x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
 }
 
 /// The phase that belongs to amplitude `i`: the next phase without a default, before another amplitude.

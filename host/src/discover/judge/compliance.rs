@@ -17,7 +17,7 @@ use super::weak_form::WeakForm;
 
 /// Longest stroke of a bristle, as a share of the travel. From one end of it to the other the bristle is then bent to
 /// 1 − 2·exp(−3), or 90 %, the other way. A longer one hardly lets go, as a spring does.
-const LONGEST_STROKE: f64 = 1.0 / 3.0;
+pub const LONGEST_STROKE: f64 = 1.0 / 3.0;
 
 /// Whether side C takes the place of side A for a term: a bristle, beside a model whose inertia the drive does not tell.
 pub(super) fn takes_the_place(term: &Term, before: &Fitted, settings: &Settings) -> bool {

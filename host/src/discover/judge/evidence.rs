@@ -56,6 +56,10 @@ impl Evidence {
     fn needs_no_inertia(&self) -> bool {
         self.u.flat.min(self.u.local) >= 0.5 && self.a.flat.max(self.a.local) >= 0.1 && self.disagreement < 0.25
     }
+    /// Whether side U alone tells the force of the motion, and side A confirms it without a z of its own.
+    pub(super) fn is_of_side_u(&self, settings: &Settings) -> bool {
+        self.needs_no_inertia() && self.a.z < settings.z
+    }
     /// The z that decides: that of side U for a force of the motion alone that side A confirms, and the smaller otherwise.
     fn decisive_z(&self, of_motion: bool) -> f64 {
         let confirmed = of_motion && self.needs_no_inertia() && self.a.z >= CONFIRMED;

@@ -3,7 +3,7 @@
 mod attenuation;
 pub(in crate::discover) mod bar;
 mod break_away;
-mod compliance;
+pub mod compliance;
 mod coordinate_search;
 pub mod dataset;
 pub mod direction;

@@ -66,16 +66,22 @@ pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome
     let as_well = |t: &Tried| t.gain > settings.tie * best.gain && best.better_than(t) < settings.tie_z;
     let simple = holding.iter().filter(|t| nearly(t) || as_well(t)).min_by_key(|t| t.size()).unwrap_or(best);
     for other in tried.iter().filter(|t| t.terms.len() == 1) {
+        let damped = has_body(simple) && has_body(other);
         let factor = match other.terms[0].name {
             // The best damping of a second body decides whether it is a coupling.
-            Name::Decoy(_) if has_body(simple) && other.terms[0].body.is_some() => 1.0,
+            Name::Decoy(_) if damped => 1.0,
             Name::Decoy(_) => settings.decoy,
             Name::Effect(_) if other.rejection().is_some() => settings.rival,
             Name::Effect(_) => continue,
         };
         // A term that is inconsistent alone speaks for the pair in which it is named.
         let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
-        let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base));
+        let possible = match other.rejection() {
+            Some(Rejection::Inertia) => false,
+            // More damping takes a part of c and f1, which little damping leaves there.
+            Some(Rejection::Base) => damped,
+            _ => true,
+        };
         if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
             let material = predicted(other.gain) > settings.predictable;
             return if material { Outcome::Unknown(other.terms[0].name) } else { Outcome::Nothing };
@@ -95,7 +101,8 @@ pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome
 }
 
 /// The rivals of `own` that do as well on both sides. They may miss a bar. One with more parameters counts only where
-/// the two effects resemble each other, or where it was tied `before`.
+/// the two effects resemble each other, or where it was tied `before`. A whole number of waves in a turn is no parameter. So
+/// a ripple of one wave is as small as gravity, which has its law.
 pub(super) fn tied<'a>(
     own: &'a Tried,
     tried: &'a [Tried],
@@ -111,11 +118,15 @@ pub(super) fn tied<'a>(
             _ => false,
         })
     };
+    // A side that does not tell the effect does not tell it from a rival either.
+    let of_u = own.evidence.iter().all(|evidence| evidence.is_of_side_u(settings));
+    let gain = move |t: &Tried| if of_u { t.evidence.iter().map(|own| own.u.flat).sum() } else { t.gain };
     tried.iter().filter(move |t| {
         let effects = t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
         let near = !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
-        let as_well = t.gain > settings.tie * own.gain && own.better_than(t) < settings.tie_z;
-        effects && near && t.terms.len() == own.terms.len() && as_well && (t.size() <= own.size() || resembles(t))
+        let as_well = gain(t) > settings.tie * gain(own) && own.better_than(t) < settings.tie_z;
+        let as_small = t.size() - t.counted_waves <= own.size();
+        effects && near && t.terms.len() == own.terms.len() && as_well && (as_small || resembles(t))
     })
 }
 
@@ -131,7 +142,7 @@ mod tests {
         let terms = vec![Term { size, ..Term::force(Name::Effect(kind), Vec::new()) }];
         let own = Gain { flat: gain, local: gain, z: 7.0 };
         let evidence = vec![Evidence { u: own, a: own, disagreement: 0.0, coherence: 1.0, rejection: None }];
-        Tried { terms, evidence, gain, blocks: [blocks.to_vec(), blocks.to_vec()] }
+        Tried { terms, evidence, gain, blocks: [blocks.to_vec(), blocks.to_vec()], counted_waves: 0 }
     }
 
     /// A ripple with a phase for each recording gains 4 % more than a drift with three parameters (hidden plant, unkind

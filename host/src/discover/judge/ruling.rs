@@ -60,6 +60,8 @@ pub struct Ruling {
     pub remainder: Remainder,
     /// How many recordings give the names, of how many; `None` where all of them together do.
     pub of_recordings: Option<[usize; 2]>,
+    /// Blocks over which z is computed.
+    pub blocks: usize,
 }
 
 /// Share of the drive below which what is left counts as nothing. A random torque of 1 % of the supply leaves so much,
@@ -91,9 +93,15 @@ impl Ruling {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
         little && self.of_recordings.is_none()
     }
-    /// Whether nothing is missing: little is left, and the drive tells the inertia.
-    pub fn tells_nothing_is_missing(&self) -> bool {
+    /// Whether what the model leaves is nothing: it is little, and the drive tells the inertia.
+    pub fn leaves_nothing(&self) -> bool {
         self.coherence >= COHERENT && self.leaves_little()
+    }
+    /// Whether nothing is missing: nothing is left, and an effect would have been seen. What saves d ± d in a block has a z
+    /// of √n over n blocks, and a name needs z ≥ 4. Over fewer blocks than 16 hardly any effect has it.
+    pub fn tells_nothing_is_missing(&self) -> bool {
+        let z = Settings::default().z;
+        self.leaves_nothing() && self.blocks as f64 >= z * z
     }
     /// Whether the forces tell what is left: they tell the inertia, and more is left than the sensor makes.
     pub fn tells_what_is_left(&self) -> bool {
@@ -219,6 +227,7 @@ pub fn rule_within(
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
         of_recordings: None,
+        blocks: form.blocks,
         remainder,
     })
 }
@@ -298,6 +307,7 @@ impl Ruling {
             half_width_s: 0.1,
             remainder,
             of_recordings: None,
+            blocks: 100,
         }
     }
 }

@@ -13,6 +13,7 @@ use super::regression::rms;
 use super::review;
 use super::settings::Settings;
 use super::sides::{Fitted, Model, Weights};
+use super::start::whole_waves;
 use super::term::{Name, Term};
 use super::tried::{Tried, best_of_each, rank};
 use super::weak_form::WeakForm;
@@ -181,7 +182,8 @@ impl<'a> Stage<'a> {
             sums
         };
         let blocks = [blocks(&after.u.residual, &self.weights.u), blocks(&after.a.residual, &self.weights.a)];
-        gain.is_finite().then_some(Tried { terms, evidence, gain, blocks })
+        let counted_waves = terms.iter().filter(|term| whole_waves(self.form, term).is_some()).count();
+        gain.is_finite().then_some(Tried { terms, evidence, gain, blocks, counted_waves })
     }
 
     /// The columns beside the model.

@@ -11,6 +11,15 @@ use super::weak_form::WeakForm;
 /// Largest distance of a wave number from the whole one that it is taken for, 1/rad. The teeth of a rotor are counted.
 const WHOLE: f64 = 0.02;
 
+/// Waves in a turn of a ripple or a friction over position; `None` where they are no whole number, and where the position
+/// is no angle.
+pub fn whole_waves(form: &WeakForm<'_>, term: &Term) -> Option<f64> {
+    let ripples = matches!(term.name, Name::Effect(Kind::Cogging | Kind::PositionFriction));
+    let (_, waves) = term.parameters.iter().find(|(index, _)| ripples && *index == 1)?;
+    let whole = waves.round();
+    (form.radians.is_some() && whole > 0.0 && (waves - whole).abs() < WHOLE).then_some(whole)
+}
+
 /// The effect, the standard errors of its parameters, and the indices of those that are held. An error is NaN where the
 /// force fit gives none. Wave numbers are held: the spectrum tells them better than any fit that starts from them.
 /// `None` for a decoy, or where a parameter is not finite.
@@ -70,10 +79,7 @@ pub fn effect(
     let mut held = Vec::new();
     if matches!(kind, Kind::Cogging | Kind::PositionFriction) {
         held.push(1);
-        let whole = effect.p[1].round();
-        if form.radians.is_some() && whole > 0.0 && (effect.p[1] - whole).abs() < WHOLE {
-            effect.p[1] = whole;
-        }
+        effect.p[1] = whole_waves(form, term).unwrap_or(effect.p[1]);
     }
     for (value, parameter) in effect.p.iter_mut().zip(kind.definition().parameters) {
         *value = value.clamp(parameter.min, parameter.max);

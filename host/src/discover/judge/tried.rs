@@ -15,6 +15,8 @@ pub struct Tried {
     pub gain: f64,
     /// Sum of the squares that it leaves in every block, on side U and on side A.
     pub blocks: [Vec<f64>; 2],
+    /// Wave numbers that are whole in a turn. They are counted, as the teeth of a rotor are, and not fitted.
+    pub counted_waves: usize,
 }
 
 impl Tried {

@@ -4,8 +4,9 @@ use breakaway_core::plant::effect::{ActsIn, Role, Scale, Search};
 use breakaway_core::plant::{Effect, MAX_SUB_STEPS, Plant};
 
 use crate::discover::data::Data;
+use crate::discover::judge::compliance::LONGEST_STROKE;
 use crate::discover::judge::library::MOST_DAMPING;
-use crate::discover::screen::stroke;
+use crate::discover::screen::{stroke, travel};
 use crate::fit::Candidate;
 
 /// Share of a sample's time below which a delay or a lag of the drive is not believed. The solver's own error is as
@@ -54,7 +55,7 @@ pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>
     if judged.iter().any(|effect| effect.breakaway() > MOST_RISE * base.f1) {
         return Err("its friction at rest became many times that of sliding".to_owned());
     }
-    let softest = candidate.base.f1 / stroke(data);
+    let softest = candidate.base.f1 / stroke(data).min(LONGEST_STROKE * travel(data));
     let soft = |effect: &Effect<f64>| {
         let parameters = effect.kind.definition().parameters.iter().zip(&effect.p);
         effect.kind.bristles()

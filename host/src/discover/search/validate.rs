@@ -3,6 +3,7 @@
 use super::Search;
 use super::compare::{names, names_further};
 use super::node::Node;
+use super::plausible::resolved;
 use crate::discover::gap::{Gap, LEAST_TOTAL};
 
 /// Why a model is not named.
@@ -28,7 +29,11 @@ impl Search<'_> {
             let impacts = node.kinds().iter().enumerate().any(|(i, kind)| i != j && kind.gap().is_some());
             let further =
                 || !impacts && !before.only_outliers() && names_further(&round.data, &round.without, &node.fit);
-            let reason = if let Some(reason) = before.refuses(&node.gap) {
+            let place = self.known + j;
+            let own = node.fit.candidate.effects.get(place..=place).unwrap_or_default();
+            // What grew beside an effect, and the last iterations, may have moved it beyond the recordings since it was tried.
+            let unresolved = resolved(self.data, &node.fit.candidate, own).err();
+            let reason = if let Some(reason) = before.refuses(&node.gap).or(unresolved) {
                 reason
             } else if node.kinds()[j].second_body() && !before.followed_by_bodies(&node.gap) {
                 "follows short segments from a start free in each, and not the open loop".to_owned()
