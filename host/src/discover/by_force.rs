@@ -43,8 +43,10 @@ pub(super) fn found(
         if ruling.findings.is_empty() { (base.clone(), None) } else { simulated(data, base, ruling, rotary) }
     };
     // Where the model without the names in question is off by a tooth, the names are compared beside what repeats over position.
+    // A base of another inertia follows by it what it misses, so it does not speak against what is missed.
     let withdrawn = |ruling: &Ruling, ladder: &[Rung], fit: &Fit| {
-        contradicted(ruling, ladder).filter(|_| !follows(data, base, fit)).filter(|_| {
+        let speaks = || !inertia::contradicted(ruling, &base.candidate) && !follows(data, base, fit);
+        contradicted(ruling, ladder).filter(|_| speaks()).filter(|_| {
             let Some(repeating) = ruling.repeating() else { return true };
             let without = simulated(&repeating).0;
             !follows(data, &without, fit) && contradicted(ruling, &[rung(data, &without), rung(data, fit)]).is_some()

@@ -212,7 +212,11 @@ impl Corroboration {
 
 #[cfg(test)]
 mod tests {
+    use super::super::by_force;
+    use super::super::judge::bar::tests::Axis;
+    use super::super::judge::ruling::rule;
     use super::*;
+    use crate::recording::{Recording, Units};
 
     /// Near the noise, better in open loop than before and than the curve, and less force left.
     const TRUE_NAME: Corroboration = Corroboration {
@@ -310,5 +314,36 @@ mod tests {
         assert!(!Corroboration { over_noise: [65.5, 40.0], ..stiction }.holds(false));
         assert!(!Corroboration { open_loop: [2.51e-2, 1.5e-2], ..stiction }.holds(false));
         assert!(!Corroboration { force: Some([3.33e-3, 3.99e-3]), ..stiction }.holds(false));
+    }
+
+    /// A friction that drifts explains .07 of what cogging explains of the forces (ODrive, one row of two). Where cogging
+    /// explains nothing of them there is nothing to lose.
+    #[test]
+    fn what_the_forces_named_is_not_lost() {
+        let forgets =
+            |explained: [f64; 2]| Corroboration { explained: Some(explained), ..TRUE_NAME }.forget_the_forces();
+        assert!(forgets([1.0, 0.07]) && !forgets([1.0, 0.6]) && !forgets([-0.1, -0.2]));
+        assert!(!TRUE_NAME.forget_the_forces());
+    }
+
+    /// An axis under a load. A delay explains nothing of its forces, and the load all that the forces named. Stiction is not
+    /// asked: it acts in less than a window.
+    #[test]
+    fn what_names_explain_of_the_forces() {
+        let axis = Axis { f1: 0.1, drag: 0.0, load: 0.2, seed: 1 };
+        let recordings: Vec<Recording> = (1..=2).map(|seed| Axis { seed, ..axis }.recording()).collect();
+        let ruling = rule(&recordings, None, &Settings::default()).unwrap();
+        let request = Request { recordings, ..Request::default() };
+        let data = Data::new(&request.recordings, &[], FIT_SEGMENT_S);
+        let (before, _) = by_force::found(&request, &Units::default(), &ruling, &|_| ()).unwrap();
+        let share = |effect: Effect<f64>| {
+            let small =
+                Discovery { model: Candidate { effects: vec![effect], ..before.model.clone() }, ..before.clone() };
+            explained(&request, &data, &ruling, &small).map(|[forces, names]| names / forces)
+        };
+        let load = share(Effect::new(Kind::ConstantLoad, &[-0.2])).unwrap();
+        let delay = share(Effect::new(Kind::Delay, &[0.002])).unwrap();
+        assert!((load - 1.0).abs() < 0.02 && delay < 0.1, "{load} {delay}");
+        assert_eq!(share(Effect::new(Kind::Stiction, &[0.1])), None);
     }
 }

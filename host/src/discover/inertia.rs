@@ -47,6 +47,8 @@ fn inertias(model: &Candidate) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use breakaway_core::plant::{Base, Effect, Kind};
+
     use super::*;
 
     /// An arm that hardly moves (CICESE): the drive determines nothing of its acceleration. Near the noise the motion tells
@@ -58,5 +60,23 @@ mod tests {
         let said = remark(0.05, 400.0).unwrap();
         assert!(said.contains("determines 5 %") && said.contains("has 2.71e2"), "{said}");
         assert_eq!([remark(0.05, 2.0), remark(0.6, 400.0)], [None, None]);
+    }
+
+    /// The forces allow 1 to 2, and half and twice of it. A second body swings apart with .64 of the inertia, and a load is
+    /// picked up that makes it four times as large. Where the forces tell no inertia they contradict none.
+    #[test]
+    fn an_inertia_is_between_those_of_two_regressions() {
+        let ruling = |coherence: f64| Ruling { coherence, ..Ruling::naming(&[], [0.1, 9.0]) };
+        let model = |b: f64, effects: &[Effect<f64>]| Candidate {
+            base: Base { b, c: 1.0, f1: 1.0 },
+            effects: effects.to_vec(),
+        };
+        let outside = |b: f64, effects: &[Effect<f64>]| contradicted(&ruling(0.5), &model(b, effects));
+        assert_eq!([0.49, 0.51, 3.9, 4.1].map(|b| outside(b, &[])), [true, false, false, true]);
+        let load = Effect::new(Kind::FlexibleCoupling, &[0.64, 16.0, 0.02]);
+        assert_eq!([11.0, 11.2].map(|b| outside(b, &[load])), [false, true]);
+        let step = Effect::new(Kind::InertiaStep, &[3.0, 9.0]);
+        assert_eq!([0.12, 0.13, 4.1].map(|b| outside(b, &[step])), [true, false, true]);
+        assert!(!contradicted(&ruling(0.29), &model(100.0, &[])));
     }
 }

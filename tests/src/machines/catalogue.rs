@@ -45,7 +45,8 @@ pub const EMPS: Machine = Machine {
     truth: Truth::Effects {
         lead: &[Kind::AsymmetricViscous, Kind::ConstantLoad],
         needed: &[Kind::AsymmetricViscous],
-        also: &[],
+        // The screw's force repeats every 2.5 mm (ball_screw.rs).
+        also: &[Kind::Cogging],
     },
     known: &[
         Known::new(None, "b", 95.1089 / EMPS_N_PER_V, JANOT),

@@ -72,7 +72,7 @@ mod tests {
         let text = table(&[program("Ours", ours), program("Theirs", theirs)]).unwrap();
         for line in [
             "| machine | truth | Ours | Theirs |",
-            "with asymmetric_viscous | right: asymmetric_viscous | **wrong**: stribeck |",
+            "with asymmetric_viscous; also cogging | right: asymmetric_viscous | **wrong**: stribeck |",
             "| hsm150 | constant_load; also asymmetric_viscous, cogging | – | abstains: unknown |",
             "| **sum** | | 1 right, 0 wrong, 0 without the name | 0 right, 1 wrong, 1 without the name |",
         ] {

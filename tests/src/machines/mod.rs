@@ -5,6 +5,8 @@
 //! recordings are in the folder of [`measured_data`](crate::measured_data); the project holds none of them.
 
 pub mod alteration;
+#[cfg(test)]
+mod ball_screw;
 pub mod catalogue;
 pub mod compare;
 pub mod discovery;

@@ -174,4 +174,39 @@ mod tests {
         assert_eq!(outcome(Kind::Dahl, Kind::LuGre), named(Kind::Dahl, &[Kind::LuGre]));
         assert_eq!(outcome(Kind::Spring, Kind::Cogging), named(Kind::Spring, &[]));
     }
+
+    /// A servo's spring and gravity, as side U tells them (XL330, one recording of 9 s): side A has a z of 2.4, and gains
+    /// half as much by gravity as by the spring. Where side A has the z of a name, it tells the two apart.
+    #[test]
+    fn a_side_that_does_not_tell_an_effect_does_not_tell_its_rival() {
+        let settings = Settings::default();
+        let of = |kind: Kind, [u, a]: [f64; 2], z: f64| {
+            let mut own = holding(kind, 2, a, &[1.0, 1.1, 0.9, 1.0]);
+            let side = |flat: f64, z: f64| Gain { flat, local: flat, z };
+            (own.evidence[0].u, own.evidence[0].a) = (side(u, 5.1), side(a, z));
+            own
+        };
+        let ties = |z: f64| {
+            let gravity = [of(Kind::GravityLoad, [1.36, 0.15], 1.5)];
+            tied(&of(Kind::Spring, [1.43, 0.34], z), &gravity, &[], &settings).count()
+        };
+        assert_eq!([ties(2.4), ties(4.1)], [1, 0]);
+    }
+
+    /// A coupling beside a mode with more damping, which gains more. That the mode leaves no positive friction does not make
+    /// the coupling one (LAAS, at constant speed). A mode beside which the inertia is not positive says nothing.
+    #[test]
+    fn more_damping_speaks_against_a_coupling() {
+        let body = |name: Name, gain: f64, rejection: Option<Rejection>| {
+            let mut own = holding(Kind::FlexibleCoupling, 3, gain, &[1.0, 1.1, 0.9, 1.0]);
+            (own.terms[0].name, own.terms[0].body, own.evidence[0].rejection) = (name, Some([281.0, 0.3]), rejection);
+            own
+        };
+        let outcome = |rejection: Rejection| {
+            let coupling = body(Name::Effect(Kind::FlexibleCoupling), 0.096, None);
+            decide(&[coupling, body(Name::Decoy("damped mode"), 0.25, Some(rejection))], 0.2, &Settings::default())
+        };
+        assert_eq!(outcome(Rejection::Base), Outcome::Unknown(Name::Decoy("damped mode")));
+        assert_eq!(outcome(Rejection::Inertia), Outcome::Named(vec![Name::Effect(Kind::FlexibleCoupling)], Vec::new()));
+    }
 }

@@ -228,18 +228,21 @@ mod tests {
     }
 
     /// A ripple that does as well as gravity has more parameters, and gravity as a special case. It is tied with gravity
-    /// only where it was before. The review begins anew where it drops another term, and the tie stays then.
+    /// where it was before: the review begins anew where it drops another term, and the tie stays then. A ripple of one wave
+    /// in a turn has no more parameters, and is always tied.
     #[test]
     fn a_tie_stays_where_the_review_begins_anew() {
-        let tried = |kind: Kind, size: usize| {
+        let tried = |kind: Kind, size: usize, counted_waves: usize| {
             let terms = vec![Term { size, ..Term::force(Name::Effect(kind), Vec::new()) }];
             let [u, a] = [Gain::default(); 2];
             let evidence = vec![Evidence { u, a, disagreement: 0.0, coherence: 1.0, rejection: None }];
-            Tried { terms, evidence, gain: 0.1, blocks: [vec![1.0, 1.1, 0.9, 1.0], vec![1.0, 1.1, 0.9, 1.0]] }
+            let blocks = [vec![1.0, 1.1, 0.9, 1.0], vec![1.0, 1.1, 0.9, 1.0]];
+            Tried { terms, evidence, gain: 0.1, blocks, counted_waves }
         };
-        let (gravity, ripples) = (tried(Kind::GravityLoad, 2), [tried(Kind::Cogging, 3)]);
+        let gravity = tried(Kind::GravityLoad, 2, 0);
+        let [any, of_one_wave] = [0, 1].map(|counted| [tried(Kind::Cogging, 3, counted)]);
         let settings = Settings::default();
-        let ties = |before: &[Kind]| tied(&gravity, &ripples, before, &settings).count();
-        assert_eq!([ties(&[]), ties(&[Kind::Cogging])], [0, 1]);
+        let ties = |ripples: &[Tried], before: &[Kind]| tied(&gravity, ripples, before, &settings).count();
+        assert_eq!([ties(&any, &[]), ties(&any, &[Kind::Cogging]), ties(&of_one_wave, &[])], [0, 1, 1]);
     }
 }

@@ -373,4 +373,12 @@ mod tests {
         assert_eq!(kinds(&more.findings), [Kind::GravityLoad, Kind::Delay, Kind::Cogging]);
         assert!(more.seen.is_empty() && more.with_each_seen().is_empty());
     }
+
+    /// Four seconds hold sixteen blocks. Where there are fewer, an effect that is there may have no z of a name.
+    #[test]
+    fn few_blocks_tell_of_nothing() {
+        let of = |blocks: usize| Ruling { blocks, ..Ruling::naming(&[], [0.05, 9.0]) };
+        assert_eq!([15, 16].map(|blocks| of(blocks).tells_nothing_is_missing()), [false, true]);
+        assert!(of(4).leaves_nothing());
+    }
 }

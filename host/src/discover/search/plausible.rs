@@ -76,3 +76,29 @@ pub(super) fn resolved(data: &Data, candidate: &Candidate, judged: &[Effect<f64>
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use breakaway_core::plant::{Base, Kind};
+
+    use super::*;
+    use crate::discover::data::FIT_SEGMENT_S;
+    use crate::recording::Recording;
+
+    /// An axis that moves by 2 rad, within a segment too. Bristles of .7 rad hardly let go on the way, and those of .6 rad do.
+    /// Flexlink's motion was followed by bristles of 63 of 98 counts, which are a spring.
+    #[test]
+    fn bristles_let_go_within_a_third_of_the_travel() {
+        let t: Vec<f64> = (0..4000).map(|k| 1e-3 * f64::from(k)).collect();
+        let sine = |size: f64| t.iter().map(|t| size * (4.0 * std::f64::consts::PI * t).sin()).collect();
+        let recording = Recording { u: sine(10.0), x: sine(1.0), t: t.clone(), ..Recording::default() };
+        let data = Data::new(&[recording], &[], FIT_SEGMENT_S);
+        let refusal = |stroke_rad: f64| {
+            let bristle = Effect::new(Kind::Dahl, &[1.0 / stroke_rad]);
+            let candidate = Candidate { base: Base { b: 0.02, c: 0.1, f1: 1.0 }, effects: vec![bristle] };
+            resolved(&data, &candidate, &[bristle]).err()
+        };
+        assert_eq!(refusal(0.7).as_deref(), Some("its bristles became longer than the motion"));
+        assert_eq!(refusal(0.6), None);
+    }
+}

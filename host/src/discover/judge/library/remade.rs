@@ -49,13 +49,6 @@ impl Library<'_> {
             }
             Kind::Delay | Kind::ElectricalLag | Kind::LoadFriction => vec![times(0, RATIO)],
             Kind::Stribeck | Kind::DeadZone | Kind::FrictionDrift => vec![times(0, 2.0)],
-            Kind::PwmDeadTime => {
-                vec![
-                    times(0, 2.0),
-                    times(1, 3.0),
-                    (2, [(of(2) - 0.5 * self.viscous).max(0.0), of(2) + 0.5 * self.viscous]),
-                ]
-            }
             Kind::Saturation => vec![(0, [0.9 * of(0), (1.1 * of(0)).min(self.largest_drive)])],
             _ => Vec::new(),
         }
