@@ -134,7 +134,8 @@ fn main() {
             continue;
         };
         println!("## {name}\n   says {}", in_words(&ruling));
-        println!("   base {:?}, age {:?} s, remainder {:?}", ruling.base, own.age_s, ruling.remainder);
+        println!("   base {:?}, rho2 {:.3}", ruling.base, ruling.coherence);
+        println!("   age {:?} s, remainder {:?}", own.age_s, ruling.remainder);
         if asked.lines == 0 {
             continue;
         }

@@ -172,9 +172,10 @@ fn beside_doubt(stays: &Ruling) -> Verdict {
     if stays.findings.is_empty() { Verdict::Unknown } else { Verdict::PartlyExplained }
 }
 
-/// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in five
-/// cases. The motion gives none; or it loses an effect; or it is off by a tooth; or the forces contradict its inertia; or its
-/// parameters follow the open loop less well. Where neither can be simulated the base is returned. The remark says why they are those of the force fit.
+/// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in five cases. The
+/// motion gives none; or it loses an effect; or it is off by a tooth; or the forces contradict its inertia; or its
+/// parameters follow the open loop less well. Where neither can be simulated the base is returned. The remark says why they
+/// are those of the force fit.
 fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Option<String>) {
     let own = ruling.simulable_base().unwrap_or(base.candidate.base);
     let mut candidate = Candidate { base: own, effects: base.candidate.effects.clone() };
@@ -339,6 +340,24 @@ mod tests {
         let (named, remarks) = names(&request, &ruling);
         assert_eq!(named, [Kind::ConstantLoad]);
         assert!(remarks.iter().any(|remark| remark.contains("spring is seen too")), "{remarks:?}");
+    }
+
+    /// A delay, which the axis has not, lowers no error and is withdrawn. Where the forces say ten times the inertia, the base
+    /// without it is no witness. Beside a load the parameters are those of the forces there.
+    #[test]
+    fn an_inertia_that_the_forces_contradict_says_nothing() {
+        let (request, ruling) = axis_with_a_drag();
+        let heavy =
+            |ruling: &Ruling| Ruling { base: Base { b: 10.0 * ruling.base.b, ..ruling.base }, ..ruling.clone() };
+        let delay = Finding { effect: Effect::new(Kind::Delay, &[0.02]), ..Finding::of(Kind::Delay) };
+        let late = Ruling { findings: vec![delay], seen: Vec::new(), ..ruling.clone() };
+        let named = [late.clone(), heavy(&late)].map(|ruling| names(&request, &ruling).0);
+        assert_eq!(named, [vec![], vec![Kind::Delay]]);
+        let contradicted = [ruling.clone(), heavy(&ruling)].map(|ruling| {
+            let (_, remarks) = names(&request, &ruling);
+            remarks.iter().any(|own| own.contains("contradict the inertia"))
+        });
+        assert_eq!(contradicted, [false, true]);
     }
 
     /// The fitted segments tell a load beside the base. They do not tell a spring of a thousandth of it beside the load.

@@ -74,8 +74,7 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     }
     let witnesses = Corroboration::of(request, ruling, small, before);
     let agree = ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)));
-    !witnesses.forget_the_forces()
-        && (agree && witnesses.follows_by_the_drive() || witnesses.holds(small.down_to_the_noise()))
+    witnesses.believe(agree, small.down_to_the_noise())
 }
 
 /// Whether a law among the `names` of the simulated motion took the place of a special case of it, which the measured forces
@@ -179,8 +178,13 @@ impl Corroboration {
         }
     }
 
-    /// Whether the names leave what the names of the measured forces explain.
-    fn forget_the_forces(&self) -> bool {
+    /// Whether the names are believed. Those on which forces and motion `agree` need not close the gap.
+    fn believe(&self, agree: bool, down_to_the_noise: bool) -> bool {
+        !self.loses_the_forces() && (agree && self.follows_by_the_drive() || self.holds(down_to_the_noise))
+    }
+
+    /// Whether the names leave most of what the names of the measured forces explain.
+    fn loses_the_forces(&self) -> bool {
         self.explained.is_some_and(|[forces, names]| forces > 0.0 && names < AS_MUCH * forces)
     }
 
@@ -316,14 +320,21 @@ mod tests {
         assert!(!Corroboration { force: Some([3.33e-3, 3.99e-3]), ..stiction }.holds(false));
     }
 
-    /// A friction that drifts explains .07 of what cogging explains of the forces (ODrive, one row of two). Where cogging
+    /// A friction that drifts explains .01 of what cogging explains of the forces (ODrive, one row of two). Where cogging
     /// explains nothing of them there is nothing to lose.
     #[test]
     fn what_the_forces_named_is_not_lost() {
-        let forgets =
-            |explained: [f64; 2]| Corroboration { explained: Some(explained), ..TRUE_NAME }.forget_the_forces();
-        assert!(forgets([1.0, 0.07]) && !forgets([1.0, 0.6]) && !forgets([-0.1, -0.2]));
-        assert!(!TRUE_NAME.forget_the_forces());
+        let believed =
+            |explained: [f64; 2]| Corroboration { explained: Some(explained), ..TRUE_NAME }.believe(true, true);
+        assert!(!believed([1.0, 0.01]) && believed([1.0, 0.6]) && believed([-0.1, -0.2]));
+    }
+
+    /// Names on which forces and motion agree need not close the gap. The model with them must follow better than a curve.
+    #[test]
+    fn agreement_does_not_replace_the_drive() {
+        let far = Corroboration { over_noise: [85.0, 80.0], force: Some([1.0, 1.1]), ..TRUE_NAME };
+        assert!(far.believe(true, false) && !far.believe(false, false));
+        assert!(!Corroboration { drive_free: 2e-3, ..far }.believe(true, false));
     }
 
     /// An axis under a load. A delay explains nothing of its forces, and the load all that the forces named. Stiction is not

@@ -86,7 +86,7 @@ pub fn splits(machine: &Machine) -> Vec<Split> {
     splits
 }
 
-/// Splits that are no part of docs/machines.md's table: up to eight of several files alone, and the alterations.
+/// Splits with sums of their own in docs/machines.md: up to eight of several files alone, and the alterations.
 pub fn harder(machine: &Machine) -> Vec<Split> {
     let every = machine.files.div_ceil(MOST_ALONE);
     let alone = (0..machine.files).step_by(every).filter(|_| machine.files > 1).map(Split::Alone);

@@ -66,7 +66,8 @@ pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome
     let as_well = |t: &Tried| t.gain > settings.tie * best.gain && best.better_than(t) < settings.tie_z;
     let simple = holding.iter().filter(|t| nearly(t) || as_well(t)).min_by_key(|t| t.size()).unwrap_or(best);
     for other in tried.iter().filter(|t| t.terms.len() == 1) {
-        let damped = has_body(simple) && has_body(other);
+        let decoy = matches!(other.terms[0].name, Name::Decoy(_));
+        let damped = decoy && has_body(simple) && has_body(other);
         let factor = match other.terms[0].name {
             // The best damping of a second body decides whether it is a coupling.
             Name::Decoy(_) if damped => 1.0,
