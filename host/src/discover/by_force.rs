@@ -173,7 +173,7 @@ fn beside_doubt(stays: &Ruling) -> Verdict {
 }
 
 /// The model with the findings, fitted to the simulated motion. The parameters of the force fit are kept in five cases. The
-/// motion gives none; or it loses an effect; or it is off by a tooth; or the forces contradict its inertia; or its
+/// motion gives none; or it loses an effect; or it is off by a tooth. Or the forces contradict its inertia; or its
 /// parameters follow the open loop less well. Where neither can be simulated the base is returned. The remark says why they
 /// are those of the force fit.
 fn simulated(data: &Data, base: &Fit, ruling: &Ruling, rotary: bool) -> (Fit, Option<String>) {

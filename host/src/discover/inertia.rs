@@ -28,7 +28,7 @@ pub(super) fn untold(ruling: &Ruling, b: f64, over_noise: f64, unit: &str) -> Op
 }
 
 /// Whether the measured forces contradict the inertia of a model. Noise in the motion makes the inertia of side U too small,
-/// and noise in the drive makes that of side A too large: the true one is between them (Frisch's bounds). Where the drive
+/// and noise in the drive makes that of side A too large. The true one is between them (Frisch's bounds). Where the drive
 /// tells nothing of the acceleration there are no such bounds.
 pub(super) fn contradicted(ruling: &Ruling, model: &Candidate) -> bool {
     let [least, most] = inertias(model);

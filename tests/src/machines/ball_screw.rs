@@ -34,8 +34,8 @@ fn motions(recording: &Recording) -> Vec<Motion> {
     windows.step_by(EVERY).map(of).filter(|own| own.v.abs() > SLOW).collect()
 }
 
-/// The strongest line of what inertia, friction in either direction and a load leave of the drive: its wave number (1/m),
-/// its share of the energy, and its phase (rad).
+/// The strongest line of what inertia, friction in either direction and a load leave of the drive. Given are its wave number
+/// (1/m), its share of the energy, and its phase (rad).
 fn line(rows: &[Motion]) -> [f64; 3] {
     let column = |i: usize, j: usize| [rows[i].a, rows[i].v, rows[i].v.abs(), rows[i].v.signum(), 1.0][j];
     let design = DMatrix::from_fn(rows.len(), 5, column);
@@ -60,8 +60,8 @@ mod tests {
     /// Waves of 2.5 mm in a metre, times 2π.
     const WAVES: f64 = std::f64::consts::TAU / 2.5e-3;
 
-    /// The strongest line has waves of 2.5 mm over all rows, in either half and in either direction: it is the machine's, and
-    /// a name for it is true. The halves give one phase. Lines are 10 /m apart and a half has a resolution of 30 /m.
+    /// The strongest line has waves of 2.5 mm over all rows, in either half and in either direction. So it is the
+    /// machine's, and a name for it is true. The halves give one phase. Lines are 10 /m apart and a half has a resolution of 30 /m.
     #[test]
     fn emps_has_a_force_every_2_5_mm() {
         let Some(data) = measured_data() else { return };

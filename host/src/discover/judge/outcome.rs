@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(outcome(Kind::Spring, Kind::Cogging), named(Kind::Spring, &[]));
     }
 
-    /// A servo's spring and gravity, as side U tells them (XL330, one recording of 9 s): side A has a z of 2.4, and gains
+    /// A servo's spring and gravity, as side U tells them (XL330, one recording of 9 s). Side A has a z of 2.4, and gains
     /// half as much by gravity as by the spring. Where side A has the z of a name, it tells the two apart.
     #[test]
     fn a_side_that_does_not_tell_an_effect_does_not_tell_its_rival() {

@@ -11,8 +11,8 @@ use super::weak_form::WeakForm;
 /// Largest distance of a wave number from the whole one that it is taken for, 1/rad. The teeth of a rotor are counted.
 const WHOLE: f64 = 0.02;
 
-/// Waves in a turn of a ripple or a friction over position; `None` where they are no whole number, and where the position
-/// is no angle.
+/// Waves in a turn of a ripple or a friction over position. `None` where they are no whole number, and where the position is
+/// no angle.
 pub fn whole_waves(form: &WeakForm<'_>, term: &Term) -> Option<f64> {
     let ripples = matches!(term.name, Name::Effect(Kind::Cogging | Kind::PositionFriction));
     let (_, waves) = term.parameters.iter().find(|(index, _)| ripples && *index == 1)?;
