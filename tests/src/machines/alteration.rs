@@ -37,6 +37,18 @@ pub const ALTERATIONS: [Alteration; 9] = [
     Alteration::From(4),
 ];
 
+/// Further ones, of other sizes. They were first run when the method was as it is, so they tell what the others no longer do.
+pub const FURTHER: [Alteration; 8] = [
+    Alteration::Slower(4),
+    Alteration::Held(2),
+    Alteration::Held(5),
+    Alteration::Coarser(2),
+    Alteration::Coarser(8),
+    Alteration::Jittered(40),
+    Alteration::From(1),
+    Alteration::From(3),
+];
+
 impl fmt::Display for Alteration {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::Machine;
+use super::alteration::FURTHER;
 use super::catalogue::MACHINES;
 use super::rows::Row;
 use super::score::Score;
@@ -79,8 +80,10 @@ fn made_worse(out: &mut String, scored: &[Scored<'_>]) {
          slower log. `held 3 rows`: a position that is read at every third row. `step × 4`: a coarser encoder. `jitter 20 %`:\n\
          stamps that are off by up to a tenth of an interval. `tenths 1 to 6`: a part of each recording. A machine stays\n\
          what it is, so a name that is false of it is wrong here too. The method was changed where such rows were wrong, so\n\
-         nobody has kept them unseen. [machines-altered-start.csv](machines-altered-start.csv) has them before the change.\n\n\
-         | machine | splits | right | wrong | abstains | false nothing |\n|---|---|---|---|---|---|\n"
+         nobody has kept them unseen. [machines-altered-start.csv](machines-altered-start.csv) has them before the change. The further ones are\n\
+         alterations of other sizes, which were first run afterwards: {}.\n\n\
+         | machine | splits | right | wrong | abstains | false nothing |\n|---|---|---|---|---|---|\n",
+        FURTHER.map(|alteration| format!("`{alteration}`")).join(", ")
     );
     for machine in MACHINES {
         let own = scored.iter().filter(|(of, _, score)| of.name == machine.name && *score != Score::NotAsked);
@@ -90,7 +93,11 @@ fn made_worse(out: &mut String, scored: &[Scored<'_>]) {
         }
     }
     let all: Vec<Score> = scored.iter().map(|(.., score)| *score).filter(|score| *score != Score::NotAsked).collect();
-    let _ = writeln!(out, "| **total** | {} |\n", counted(&all));
+    let _ = writeln!(out, "| **total** | {} |", counted(&all));
+    let names = FURTHER.map(|alteration| alteration.to_string());
+    let of_further = scored.iter().filter(|(_, row, score)| names.contains(&row.split) && *score != Score::NotAsked);
+    let further: Vec<Score> = of_further.map(|(.., score)| *score).collect();
+    let _ = writeln!(out, "| of these, the further ones | {} |\n", counted(&further));
     for (_, row, score) in scored.iter().filter(|(.., score)| matches!(score, Score::Wrong | Score::FalseNothing)) {
         let names = if row.named.is_empty() {
             String::new()
@@ -280,6 +287,7 @@ mod tests {
             Row { note: "no window".into(), ..row("frc-left", "all", "refused", "") },
             row("so101", "all", "no_drive", ""),
             row("emps", "mirrored", "explained", "asymmetric_viscous"),
+            row("emps", "held 2 rows", "explained", "asymmetric_viscous"),
             row("flexlink", "file 1 alone", "nothing_missing", ""),
             row("flexlink", "step × 4", "explained", "dahl~lugre"),
         ];
@@ -292,7 +300,8 @@ mod tests {
              constant_load | b 2.70 (2.706) | – | 3.60e-3 → 3.84e-4 | 5.10e-3 m | 4.3 |",
             "- no window. Rows: frc-left, all.",
             "| flexlink | 2 | 0 | 1 | 0 | 1 |",
-            "| **total** | 3 | 1 | 1 | 0 | 1 |\n",
+            "| **total** | 4 | 2 | 1 | 0 | 1 |\n",
+            "| of these, the further ones | 1 | 1 | 0 | 0 | 0 |\n",
             "- flexlink, file 1 alone: false nothing.",
             "- flexlink, step × 4: **wrong**: dahl = lugre.",
             "No row over all recordings yet: laas-sine, laas-speed, xl330,",
