@@ -38,8 +38,8 @@ pub const BUILDS: [(&str, &Build); 2] = [
         &Build { target: M4F, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[], profile: FLASH },
     ),
     (
-        "build for Cortex-M0+ (core)",
-        &Build { target: M0, packages: &["breakaway-core"], arguments: &[], profile: FLASH },
+        "build for Cortex-M0+ (core, firmware)",
+        &Build { target: M0, packages: &["breakaway-core", "breakaway-firmware"], arguments: &[], profile: FLASH },
     ),
 ];
 
