@@ -138,7 +138,7 @@ fn a_host_that_is_cut_off_in_mid_motion() {
     let seen = bench.board.watch();
     bench.board.inject(Fault::HostGone);
     let cut = bench.board.seen().unwrap().tick;
-    // The relay may stand at 0 at the cut itself.
+    // Ticks before the cut may be among those that are watched.
     let mut last_driven = cut;
     // As long without any drive as the longest stay at 0 of a running relay, which has none.
     while let Ok(now) = seen.recv_timeout(Duration::from_secs(20)) {
