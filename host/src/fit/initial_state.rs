@@ -17,6 +17,11 @@ pub(super) struct Stepped<'a> {
     pub(super) last: bool,
 }
 
+/// A step of a start's position alone; not finite if the segment does not show the position.
+fn position_step(normal: &Normal, [x, v, y, w]: Start) -> Start {
+    [x + normal.gradient[0] / normal.hessian[(0, 0)], v, y, w]
+}
+
 impl Problem<'_> {
     /// Initial states from the smoothed motion, less what the candidate's sensor adds to it.
     pub fn smoothed_initial(&self, candidate: &Candidate) -> Vec<Start> {
@@ -89,10 +94,15 @@ impl Problem<'_> {
                 best = before;
             }
             let equations = if last { &full(best.0) } else { &best.1 };
-            if let Some(step) = self.start_step(candidate, equations, (segment, best.0), free.len(), START_DAMPING) {
-                let next = run(step);
+            let step = self.start_step(candidate, equations, (segment, best.0), free.len(), START_DAMPING);
+            // A body at rest hardly shows its velocity, whose step then ends far off. With the model held few steps
+            // follow. So the position may step alone.
+            let position = free.is_empty().then(|| position_step(equations, best.0));
+            for next in [step, position].into_iter().flatten().filter(|start| start[0].is_finite()) {
+                let next = run(next);
                 if cost(&next.0, &next.1) < cost(&best.0, &best.1) {
                     best = next;
+                    break;
                 }
             }
             best
