@@ -212,9 +212,9 @@ fn an_effect_outside_the_catalogue_is_not_explained() {
 
 /// Random torque, held positions and a late sensor hide a backlash beside a drift of the gain (docs/blind.md, unkind
 /// seed 3308). The forces name the drift, and the rest is random to them. The motion must not doubt the drift. Where it
-/// ends its search without the backlash, the drift stays. The sensor is 7.0 ms late, which delays the loop, so that a delay
-/// may be named beside it, or a lag with which the delay is tied. Which of the two is first changed with a score that is
-/// 1.3 % lower (over the noise 9.53, then 9.41).
+/// ends its search without the backlash, the drift stays. The sensor is 7.0 ms late, which delays the loop. So a delay
+/// may be named beside it, or a lag with which the delay is tied. Which of the two is first changed with a held-out error
+/// that is 1.3 % lower (over the noise 9.53, then 9.41).
 #[test]
 fn the_motion_does_not_doubt_what_the_forces_decided() {
     let case = Case::suite(3308, &["gain_drift", "backlash"], 10.0).unwrap();
