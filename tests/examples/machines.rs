@@ -26,7 +26,7 @@ struct Asked {
     /// Machines [default: all]; `laas` stands for all whose name begins so
     #[arg(long, value_delimiter = ',')]
     machines: Vec<String>,
-    /// Kinds of splits: all, groups, without, halves, thirds, full, quick, alone, altered, further
+    /// Kinds of splits: all, groups, without, halves, thirds, full, quick, alone, altered, further; or names of splits
     #[arg(long, value_delimiter = ',', default_value = "all")]
     splits: Vec<String>,
     /// File of the rows
@@ -69,8 +69,10 @@ impl Asked {
             self.machines.is_empty() || self.machines.iter().any(|name| machine.name.starts_with(name.as_str()))
         };
         let kinds = ["all", "groups", "without", "halves", "thirds", "full", "quick", "alone", "altered", "further"];
-        if let Some(unknown) = self.splits.iter().find(|asked| !kinds.contains(&asked.as_str())) {
-            return Err(format!("--splits {unknown}: one of {}", kinds.join(", ")));
+        let all = || MACHINES.iter().flat_map(|machine| splits(machine).into_iter().chain(harder(machine)));
+        let known = |asked: &str| kinds.contains(&asked) || all().any(|split| split.to_string() == asked);
+        if let Some(unknown) = self.splits.iter().find(|asked| !known(asked)) {
+            return Err(format!("--splits {unknown}: one of {}, or the name of a split", kinds.join(", ")));
         }
         let unknown = self.machines.iter().find(|name| !MACHINES.iter().any(|m| m.name.starts_with(name.as_str())));
         if let Some(unknown) = unknown {
@@ -78,8 +80,9 @@ impl Asked {
             return Err(format!("--machines {unknown}: one of {}", names.join(", ")));
         }
         let of_machine = |machine: &Machine| -> Vec<Split> {
-            let full = splits(machine).into_iter().filter(|split| asked("full") || asked(split.kind()));
-            full.chain(harder(machine).into_iter().filter(|split| asked(split.kind()))).collect()
+            let is_asked = |split: &Split| asked(split.kind()) || asked(&split.to_string());
+            let full = splits(machine).into_iter().filter(|split| asked("full") || is_asked(split));
+            full.chain(harder(machine).into_iter().filter(is_asked)).collect()
         };
         let every = MACHINES.into_iter().filter(|of| machine(of));
         let mut pairs: Vec<(&Machine, Split)> =

@@ -6,11 +6,9 @@ use super::data::{Data, FIT_SEGMENT_S, SHORT_SEGMENT_S};
 use super::drive_free;
 use super::engine::Request;
 use super::force_residual;
-use super::inertia;
 use super::judge::library::tells;
-use super::judge::ruling::{Candidacy, Ruling};
-use super::judge::settings::Settings;
-use super::judge::term::Name;
+use super::judge::ruling::Ruling;
+use super::objections;
 use super::outcome::Discovery;
 use crate::fit::Candidate;
 
@@ -31,10 +29,6 @@ const MATERIAL: f64 = 0.8;
 /// Share of the energy that the names of the measured forces explain of them, which names of the motion must explain. A
 /// further effect, or a rival that does as well, explains most of it. An effect of another machine explains none.
 const AS_MUCH: f64 = 0.5;
-/// z over blocks below which the measured forces speak against a name.
-const AGAINST: f64 = -2.0;
-/// Force that is left, over what the sensor's noise makes of it, above which the measured forces may speak.
-const FORCE: f64 = 5.0;
 /// Width of the windows in which the sensor's noise does not count, over that of the windows in which the judge ruled.
 const WIDE: f64 = 4.0;
 
@@ -62,10 +56,7 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if small.effects.is_empty() {
         return small.down_to_the_noise() && ruling.is_some_and(Ruling::tells_nothing_is_missing);
     }
-    if ruling.is_some_and(|ruling| small.effects.iter().all(|named| speaks_against(ruling, named.kind))) {
-        return false;
-    }
-    if ruling.is_some_and(|ruling| inertia::contradicted(ruling, &small.model)) {
+    if ruling.is_some_and(|ruling| objections::any(ruling, small)) {
         return false;
     }
     let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
@@ -86,14 +77,9 @@ fn generalises(names: &[Kind], before: &[Kind]) -> bool {
     new.into_iter().any(|kind| lost().any(|special| kind.generalises(*special)))
 }
 
-/// Whether the measured forces gave each of the `names` of the simulated motion too: they named it, or it predicts best what
-/// they leave. No name may be left `before`. Then the search found a fit of the same names, and no third witness is needed.
+/// Whether the measured forces gave each of the `names` of the simulated motion too. No name may be left `before`. Then the search found a fit of the same names, and no third witness is needed.
 fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
-    let of_forces = |kind: &Kind| {
-        ruling.findings.iter().any(|finding| finding.effect.kind == *kind)
-            || ruling.remainder.predictable == Some(Name::Effect(*kind))
-    };
-    before.is_empty() && names.iter().all(of_forces)
+    before.is_empty() && objections::given(ruling, names)
 }
 
 /// Whether the names of `small` and of `before` differ, and only by effects that the measured forces do not tell. What
@@ -106,21 +92,7 @@ pub(super) fn differs_untold(small: &Discovery, before: &Discovery) -> bool {
     !different.is_empty() && !different.into_iter().any(tells)
 }
 
-/// Whether the measured forces speak against an effect. They do so only where they named nothing themselves, and where
-/// more is left of them than the sensor makes. Two things speak against an effect. Its z is far below zero on one side at
-/// least; or a decoy gains much more, and something predictable is left. Nothing is said against an effect that
-/// they do not tell.
-pub(super) fn speaks_against(ruling: &Ruling, kind: Kind) -> bool {
-    let unnamed = if ruling.remainder.predictable.is_some() { ruling.decoy_gain } else { 0.0 };
-    let outdone = Settings::default().decoy * unnamed;
-    let speaks = |own: &Candidacy| own.z < AGAINST || own.gain < outdone;
-    ruling.findings.is_empty()
-        && ruling.remainder.over_noise > FORCE
-        && tells(kind)
-        && ruling.candidates.iter().any(|own| own.kind == kind && speaks(own))
-}
-
-/// The same where there is no discovery of the measured forces. The names must come down to the noise. In open loop
+/// The same as [`believed`] where there is no discovery of the measured forces. The names must come down to the noise. In open loop
 /// they must follow no worse than the base, and no worse than the cubic in time.
 pub(super) fn stands_alone(request: &Request, ruling: Option<&Ruling>, small: &Discovery) -> bool {
     if small.effects.is_empty() {
@@ -130,7 +102,7 @@ pub(super) fn stands_alone(request: &Request, ruling: Option<&Ruling>, small: &D
     let [before, after] = [first, last].map(|rung| rung.holdout_open_loop_rmse);
     let data = Data::new(&request.recordings, &request.holdout, FIT_SEGMENT_S);
     small.down_to_the_noise()
-        && !ruling.is_some_and(|ruling| inertia::contradicted(ruling, &small.model))
+        && !ruling.is_some_and(|ruling| objections::any(ruling, small))
         && after <= OBJECTION * before
         && drive_free::error(&data).is_none_or(|curve| after <= curve)
 }

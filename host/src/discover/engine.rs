@@ -14,6 +14,7 @@ use super::judge::library::{tells, weighs};
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
 use super::next_experiment::{self, Limits};
+use super::objections;
 use super::outcome::{Discovery, Overlay, Provenance, Verdict};
 use super::progress::{Progress, Watch};
 use super::ruled::{Ruled, leaves_nothing_predictable, ruled};
@@ -184,7 +185,7 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
     let shaken = ruling.shaken();
     let open = |kind: Kind| ruling.supports(kind) || !tells(kind) || !shaken && named(kind);
-    let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || corroboration::speaks_against(ruling, kind);
+    let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || objections::speak_against(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }
 

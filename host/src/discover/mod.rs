@@ -16,6 +16,7 @@ pub mod judge;
 mod known;
 mod model;
 pub mod next_experiment;
+mod objections;
 pub mod outcome;
 pub mod progress;
 mod replication;

@@ -15,10 +15,17 @@ use super::outcome::{Discovery, Verdict};
 use super::progress::{Progress, Watch};
 use super::search::Search;
 use crate::fit::Candidate;
-use crate::recording::Units;
+use crate::recording::{Units, share_a_clock};
+
+/// Said where nothing is named, and effects of session time were not sought.
+const NO_CLOCK: &str = "the recordings do not share a clock, so no effect of session time was sought: drifts, inertia steps \
+                        and forces that are periodic in time";
 
 /// Searches `kinds` on the simulated motion. `judged` holds the judge's ruling, and its names as the simulated motion
 /// fits them, where there are such.
+///
+/// Effects of session time are sought only where the recordings share a clock. Elsewhere a recording begins when the one
+/// before it has ended, so that the time between them means nothing.
 ///
 /// A gap that nothing explains over segments of [`FIT_SEGMENT_S`] is searched again over [`SHORT_SEGMENT_S`].
 ///
@@ -32,6 +39,9 @@ pub(super) fn found(
     progress: Watch<'_>,
 ) -> Result<Discovery, DiscoverError> {
     let work = Arc::default();
+    let clocked = share_a_clock(&request.recordings);
+    let kinds: Vec<Kind> = kinds.iter().copied().filter(|kind| clocked || !kind.definition().shared_clock).collect();
+    let kinds = kinds.as_slice();
     let over = |segment_s: f64| within(request, units, (segment_s, &work), (judged, kinds), progress);
     let mut found = over(FIT_SEGMENT_S)?;
     if found.verdict == Verdict::Unknown {
@@ -47,6 +57,7 @@ pub(super) fn found(
             Ok(short) => found.nearest = short.nearest.or(found.nearest),
             Err(_) => (),
         }
+        found.remarks.extend((!clocked).then(|| NO_CLOCK.to_owned()));
         found.remarks.extend(found.nearest.clone().filter(|_| found.effects.is_empty()));
     }
     Ok(found)

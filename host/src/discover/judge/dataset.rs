@@ -58,6 +58,11 @@ impl Dataset {
 }
 
 impl Dataset {
+    /// Least stroke of a bristle whose force the measured motion tells, position units: six deviations of its noise.
+    pub fn least_stroke(&self) -> f64 {
+        6.0 * self.pieces.iter().map(|piece| piece.sigma).fold(0.0, f64::max)
+    }
+
     /// Session time of the first sample, s.
     pub fn first_s(&self) -> f64 {
         self.pieces.iter().filter_map(|piece| piece.t.first()).copied().fold(f64::INFINITY, f64::min)

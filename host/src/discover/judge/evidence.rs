@@ -115,7 +115,7 @@ pub fn weigh(
 fn own_force(before: &Fitted, after: &Fitted, term: &Term, index: usize, of_u: bool) -> (f64, Vec<f64>) {
     let (b, a) = if of_u { (&before.u, &after.u) } else { (&before.a, &after.a) };
     let inertia = if of_u { 1.0 } else { after.a.b };
-    if term.drive.is_some() || term.body.is_some() || term.replaces_direction {
+    if term.drive.is_some() || term.body.is_some() {
         // The term's force is what the model says with it, less what it says without it.
         let said = |side: &super::sides::Side, i: usize| side.target[i] - side.residual[i];
         let shrink = if of_u { rms(&a.target) / rms(&b.target) } else { 1.0 };
@@ -163,7 +163,7 @@ fn rejection(
     if coherence < settings.coherence && !evidence.needs_no_inertia() {
         return Some(Rejection::Coherence);
     }
-    if evidence.disagreement >= settings.disagreement && term.drive.is_none() && !term.replaces_direction {
+    if evidence.disagreement >= settings.disagreement && term.drive.is_none() {
         return Some(Rejection::Disagreement(evidence.disagreement));
     }
     let of_motion = !holds_drive && term.body.is_none();

@@ -46,8 +46,9 @@ pub struct Ruling {
     pub candidates: Vec<Candidacy>,
     /// The last round: what was tried beside the names.
     pub left: Vec<Candidacy>,
-    /// Gain of the best significant decoy of the first round, nats; 0 if none is significant.
-    pub decoy_gain: f64,
+    /// Gain in the first round of what is seen and not named, nats: of the best significant decoy, or of what predicts best
+    /// what is left. It is 0 where nothing predictable is left.
+    pub unnamed_gain: f64,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
     pub residual_u: [f64; 2],
     /// The same of side A, over the rms of the acceleration.
@@ -56,6 +57,8 @@ pub struct Ruling {
     pub coherence: f64,
     /// Half-width of the windows that named, s.
     pub half_width_s: f64,
+    /// Least stroke of a bristle whose force the motion tells, position units.
+    pub least_stroke: f64,
     /// What is left.
     pub remainder: Remainder,
     /// How many recordings give the names, of how many; `None` where all of them together do.
@@ -97,11 +100,12 @@ impl Ruling {
     pub fn leaves_nothing(&self) -> bool {
         self.coherence >= COHERENT && self.leaves_little()
     }
-    /// Whether nothing is missing: nothing is left, and an effect would have been seen. What saves d ± d in a block has a z
-    /// of √n over n blocks, and a name needs z ≥ 4. Over fewer blocks than 16 hardly any effect has it.
+    /// Whether nothing is missing: nothing is left, no term has the z of a name in it, and an effect would have been seen.
+    /// What saves d ± d in a block has a z of √n over n blocks, and a name needs z ≥ 4. Over fewer blocks than 16 hardly
+    /// any effect has it.
     pub fn tells_nothing_is_missing(&self) -> bool {
         let z = Settings::default().z;
-        self.leaves_nothing() && self.blocks as f64 >= z * z
+        self.leaves_nothing() && self.remainder.significance < z && self.blocks as f64 >= z * z
     }
     /// Whether the forces tell what is left: they tell the inertia, and more is left than the sensor makes.
     pub fn tells_what_is_left(&self) -> bool {
@@ -221,11 +225,15 @@ pub fn rule_within(
             .first()
             .map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
         left: own.rounds.last().map_or_else(Vec::new, |round| round.tried.iter().filter_map(candidacy).collect()),
-        decoy_gain: own.rounds.first().map_or(0.0, |round| best_decoy(&round.tried, settings)),
+        unnamed_gain: own.rounds.first().zip(remainder.predictable).map_or(0.0, |(round, name)| {
+            let of_name = round.tried.iter().filter(|tried| tried.names() == [name]).map(|tried| tried.gain);
+            of_name.fold(best_decoy(&round.tried, settings), f64::max)
+        }),
         residual_u: [own.residual[0][0], own.residual[1][0]],
         residual_a: [own.residual[0][1], own.residual[1][1]],
         coherence: own.fitted.coherence(),
         half_width_s: form.half_width_s,
+        least_stroke: dataset.least_stroke(),
         of_recordings: None,
         blocks: form.blocks,
         remainder,
@@ -300,11 +308,12 @@ impl Ruling {
             seen: Vec::new(),
             candidates: Vec::new(),
             left: Vec::new(),
-            decoy_gain: 0.0,
+            unnamed_gain: 0.0,
             residual_u: [1.0, share],
             residual_a: [1.0, share],
             coherence: 1.0,
             half_width_s: 0.1,
+            least_stroke: f64::INFINITY,
             remainder,
             of_recordings: None,
             blocks: 100,

@@ -33,7 +33,8 @@ pub struct Side {
     pub amplitudes: Vec<Vec<f64>>,
     /// Their standard errors.
     pub errors: Vec<Vec<f64>>,
-    /// Force of every term in every window, drive units.
+    /// Force that every term adds in every window, drive units. That of a bristle is without the Coulomb friction in whose
+    /// place it comes.
     pub forces: Vec<Vec<f64>>,
     /// Held-out residual in every window, in the unit of the side's target.
     pub residual: Vec<f64>,
@@ -156,15 +157,14 @@ impl Model {
     }
 
     fn fit_u(&self, form: &WeakForm<'_>, weights: &[f64], row_u: &[f64], settings: &Settings) -> Option<Side> {
-        let mut columns: Vec<Cow<'_, [f64]>> = vec![form.row_a[..].into(), form.row_v[..].into()];
-        if !self.replaced() {
-            columns.push(form.row_direction[..].into());
-        }
+        let mut columns: Vec<Cow<'_, [f64]>> =
+            vec![form.row_a[..].into(), form.row_v[..].into(), form.row_direction[..].into()];
+        let replaced = self.replaced().then(|| columns.remove(2));
         columns.extend(self.terms.iter().flat_map(|term| &term.u).map(|column| rows(form, column, None)));
         let design = Design { target: row_u, columns };
         let fit = design.fit(form, weights, settings.folds)?;
         let b = fit.coefficients[0];
-        Some(self.side(b, 1.0, &design, fit, |term| term.u.len()))
+        Some(self.side((b, 1.0), &design, replaced.as_deref(), fit, |term| term.u.len()))
     }
 
     fn fit_a(
@@ -185,9 +185,7 @@ impl Model {
         } else {
             vec![row_u, form.row_v[..].into(), form.row_direction[..].into()]
         };
-        if self.replaced() {
-            columns.truncate(2);
-        }
+        let replaced = self.replaced().then(|| columns.remove(2));
         for term in self.terms.iter().filter(|term| term.body.is_none()) {
             let own = if term.a.is_empty() { &term.u } else { &term.a };
             columns.extend(own.iter().map(|column| rows(form, column, body)));
@@ -196,12 +194,20 @@ impl Model {
         let fit = design.fit(form, weights, settings.folds)?;
         let b = 1.0 / fit.coefficients[0];
         let count = |term: &Term| if term.body.is_some() { 0 } else { term.u.len() };
-        Some(self.side(b, -b, &design, fit, count))
+        Some(self.side((b, -b), &design, replaced.as_deref(), fit, count))
     }
 
-    /// Coefficients as forces. `factor` turns them into drive units with the sign of side U.
-    fn side(&self, b: f64, factor: f64, design: &Design<'_>, fit: Fit, count: impl Fn(&Term) -> usize) -> Side {
-        let known = if self.replaced() { 2 } else { 3 };
+    /// Coefficients as forces. `factor` turns them into drive units with the sign of side U. `replaced` is the direction, where
+    /// a bristle takes its place.
+    fn side(
+        &self,
+        (b, factor): (f64, f64),
+        design: &Design<'_>,
+        replaced: Option<&[f64]>,
+        fit: Fit,
+        count: impl Fn(&Term) -> usize,
+    ) -> Side {
+        let known = if replaced.is_some() { 2 } else { 3 };
         let (mut amplitudes, mut errors, mut forces) = (Vec::new(), Vec::new(), Vec::new());
         let mut at = known;
         for term in &self.terms {
@@ -213,6 +219,10 @@ impl Model {
                 for (force, g) in force.iter_mut().zip(column.iter()) {
                     *force += amplitude * g;
                 }
+            }
+            if let Some(direction) = replaced.filter(|_| term.replaces_direction) {
+                let f1 = own.first().copied().unwrap_or(0.0);
+                force.iter_mut().zip(direction).for_each(|(force, s)| *force -= f1 * s);
             }
             amplitudes.push(own);
             forces.push(force);

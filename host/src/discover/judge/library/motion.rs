@@ -63,8 +63,7 @@ impl Library<'_> {
 
     /// The least stroke of the grid, and its ratio; `None` where the travel is not above the noise.
     pub(super) fn strokes(&self) -> Option<[f64; 2]> {
-        let noise = self.form.dataset.pieces.iter().map(|p| p.sigma).fold(0.0, f64::max);
-        let (least, most) = (6.0 * noise, 0.7 * self.travel);
+        let (least, most) = (self.form.dataset.least_stroke(), 0.7 * self.travel);
         (most > least).then(|| [least, (most / least).powf(1.0 / f64::from(STROKES - 1))])
     }
 
