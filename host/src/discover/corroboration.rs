@@ -56,16 +56,19 @@ pub(super) fn believed(request: &Request, ruling: Option<&Ruling>, small: &Disco
     if small.effects.is_empty() {
         return small.down_to_the_noise() && ruling.is_some_and(Ruling::tells_nothing_is_missing);
     }
-    if ruling.is_some_and(|ruling| objections::any(ruling, small)) {
+    if ruling.is_some_and(|ruling| objections::any(ruling, &kinds(small), &small.model)) {
         return false;
     }
-    let kinds = |found: &Discovery| found.effects.iter().map(|named| named.kind).collect::<Vec<_>>();
     if before.over_noise() < AT_THE_NOISE && generalises(&kinds(small), &kinds(before)) {
         return false;
     }
     let witnesses = Corroboration::of(request, ruling, small, before);
     let agree = ruling.is_some_and(|ruling| agree(ruling, &kinds(small), &kinds(before)));
     witnesses.believe(agree, small.down_to_the_noise())
+}
+
+fn kinds(found: &Discovery) -> Vec<Kind> {
+    found.effects.iter().map(|named| named.kind).collect()
 }
 
 /// Whether a law among the `names` of the simulated motion took the place of a special case of it, which the measured forces
@@ -79,7 +82,7 @@ fn generalises(names: &[Kind], before: &[Kind]) -> bool {
 
 /// Whether the measured forces gave each of the `names` of the simulated motion too. No name may be left `before`. Then the search found a fit of the same names, and no third witness is needed.
 fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
-    before.is_empty() && objections::given(ruling, names)
+    before.is_empty() && names.iter().all(|kind| objections::gave(ruling, *kind))
 }
 
 /// Whether the names of `small` and of `before` differ, and only by effects that the measured forces do not tell. What
@@ -102,7 +105,7 @@ pub(super) fn stands_alone(request: &Request, ruling: Option<&Ruling>, small: &D
     let [before, after] = [first, last].map(|rung| rung.holdout_open_loop_rmse);
     let data = Data::new(&request.recordings, &request.holdout, FIT_SEGMENT_S);
     small.down_to_the_noise()
-        && !ruling.is_some_and(|ruling| objections::any(ruling, small))
+        && !ruling.is_some_and(|ruling| objections::any(ruling, &kinds(small), &small.model))
         && after <= OBJECTION * before
         && drive_free::error(&data).is_none_or(|curve| after <= curve)
 }
@@ -191,6 +194,8 @@ mod tests {
     use super::super::by_force;
     use super::super::judge::bar::tests::Axis;
     use super::super::judge::ruling::rule;
+    use super::super::judge::settings::Settings;
+    use super::super::judge::term::Name;
     use super::*;
     use crate::recording::{Recording, Units};
 

@@ -136,8 +136,10 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
             None => unweighed::compared(request, &units, ruling, by_force, progress),
         }
     } else {
+        let objects = |kind: Kind| ruling.as_ref().is_some_and(|ruling| objections::to_kind(ruling, kind));
+        let kinds: Vec<Kind> = Kind::ALL.iter().copied().filter(|kind| !objects(*kind)).collect();
         let small =
-            small_effects::found(request, &units, ruling.as_ref().map(|ruling| (ruling, None)), Kind::ALL, progress)?;
+            small_effects::found(request, &units, ruling.as_ref().map(|ruling| (ruling, None)), &kinds, progress)?;
         if corroboration::stands_alone(request, ruling.as_ref(), &small) {
             small
         } else {
@@ -185,7 +187,7 @@ fn left_to_the_motion(ruling: &Ruling, found: &Discovery) -> Vec<Kind> {
     let named = |kind: Kind| ruling.findings.iter().any(|finding| finding.effect.kind == kind);
     let shaken = ruling.shaken();
     let open = |kind: Kind| ruling.supports(kind) || !tells(kind) || !shaken && named(kind);
-    let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || objections::speak_against(ruling, kind);
+    let idle = |kind: Kind| weighed && weighs(kind) && !open(kind) || objections::to_kind(ruling, kind);
     Kind::ALL.iter().copied().filter(|kind| !idle(*kind)).collect()
 }
 

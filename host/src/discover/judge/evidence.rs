@@ -201,7 +201,13 @@ pub fn floor_ratio(form: &WeakForm<'_>, u: &Side) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use breakaway_core::plant::Kind;
+
+    use super::super::dataset::Dataset;
+    use super::super::search::judge;
+    use super::super::term::Name;
     use super::*;
+    use crate::recording::Recording;
 
     /// A servo that carries a pendulum (XL330). Its acceleration is mostly its gears', so that side A tells little.
     const SERVO: Evidence = Evidence {
@@ -211,6 +217,37 @@ mod tests {
         coherence: 0.23,
         rejection: None,
     };
+
+    /// 20 s at 1 kHz of an axis with Dahl friction that two sines move both ways. The stroke is a twentieth of the travel.
+    /// What the bristles add to the Coulomb friction is the same force on both sides.
+    #[test]
+    fn both_sides_tell_the_force_of_bristles() {
+        let (mut x, mut v, mut z) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut recording = Recording { encoder_step: Some(1e-6), ..Recording::default() };
+        for k in 0..20_000 {
+            let t = 1e-3 * f64::from(k);
+            let u = 2.0 * (4.0 * t).sin() + (9.3 * t).sin();
+            recording.t.push(t);
+            recording.u.push(u);
+            recording.x.push((x / 1e-6).round() * 1e-6);
+            for _ in 0..20 {
+                v += (u - z - 0.3 * v) / 0.1 * 5e-5;
+                z += (v - v.abs() * z) / STROKE * 5e-5;
+                x += v * 5e-5;
+            }
+        }
+        let settings = Settings::default();
+        let dataset = Dataset::new(&[recording], &settings);
+        let form = WeakForm::new(&dataset, 0.01, &settings).unwrap();
+        assert!((0.04..0.06).contains(&(STROKE / form.travel())), "{}", form.travel());
+        let judged = judge(&form, &settings).unwrap();
+        let own = judged.rounds[0].tried.iter().find(|own| own.names() == [Name::Effect(Kind::Dahl)]).unwrap();
+        let evidence = own.evidence[0];
+        assert!(evidence.disagreement < 0.02 && evidence.rejection.is_none(), "{evidence:?}");
+    }
+
+    /// Stroke of the bristles, rad.
+    const STROKE: f64 = 0.08;
 
     /// Side A only confirms what side U tells alone. It decides where the force holds the drive, where it tells nothing,
     /// and where the sides disagree.

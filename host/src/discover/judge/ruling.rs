@@ -383,6 +383,17 @@ mod tests {
         assert!(more.seen.is_empty() && more.with_each_seen().is_empty());
     }
 
+    /// A curve over velocity has a z of 5.8 in what a motor's base leaves (LAAS, five rows held).
+    #[test]
+    fn something_is_missing_where_a_term_is_significant() {
+        let of = |significance: f64| {
+            let mut ruling = Ruling::naming(&[], [0.02, 30.0]);
+            ruling.remainder.significance = significance;
+            ruling.tells_nothing_is_missing()
+        };
+        assert_eq!([of(3.9), of(5.8)], [true, false]);
+    }
+
     /// Four seconds hold sixteen blocks. Where there are fewer, an effect that is there may have no z of a name.
     #[test]
     fn few_blocks_tell_of_nothing() {
