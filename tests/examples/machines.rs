@@ -1,7 +1,7 @@
 //! Discovers the real machines and scores the names: `cargo xtask machines --machines emps,xl330 --splits all,halves`.
 //!
 //! `--splits` takes `all`, `groups`, `without`, `halves`, `thirds`, `full` (all of them) and `quick` (one split of six
-//! machines). Beside these it takes `alone` (files alone), `altered` and `further` (all files, made worse). With `--csv FILE` rows that the file holds already are not made again, unless `--anew` is given; a row is
+//! machines). Beside these it takes `alone` (files alone), and `altered`, `further` and `fresh` (all files, made worse). With `--csv FILE` rows that the file holds already are not made again, unless `--anew` is given; a row is
 //! written as it ends. `--table` only draws the tables of the file, and `--page FILE --date DATE --command LINE` writes
 //! them as docs/machines.md. `--export FOLDER` writes the recordings as plain tables, and `--compare NAME=FILE` draws the
 //! rows of several programs side by side.
@@ -26,7 +26,7 @@ struct Asked {
     /// Machines [default: all]; `laas` stands for all whose name begins so
     #[arg(long, value_delimiter = ',')]
     machines: Vec<String>,
-    /// Kinds of splits: all, groups, without, halves, thirds, full, quick, alone, altered, further; or names of splits
+    /// Kinds of splits: all, groups, without, halves, thirds, full, quick, alone, altered, further, fresh; or names of splits
     #[arg(long, value_delimiter = ',', default_value = "all")]
     splits: Vec<String>,
     /// File of the rows
@@ -68,7 +68,8 @@ impl Asked {
         let machine = |machine: &Machine| {
             self.machines.is_empty() || self.machines.iter().any(|name| machine.name.starts_with(name.as_str()))
         };
-        let kinds = ["all", "groups", "without", "halves", "thirds", "full", "quick", "alone", "altered", "further"];
+        let kinds =
+            ["all", "groups", "without", "halves", "thirds", "full", "quick", "alone", "altered", "further", "fresh"];
         let all = || MACHINES.iter().flat_map(|machine| splits(machine).into_iter().chain(harder(machine)));
         let known = |asked: &str| kinds.contains(&asked) || all().any(|split| split.to_string() == asked);
         if let Some(unknown) = self.splits.iter().find(|asked| !known(asked)) {

@@ -20,8 +20,8 @@ pub enum Alteration {
     Coarser(u32),
     /// Stamps that are off by up to so many per cent of a sample interval, uniformly.
     Jittered(u32),
-    /// The rows from so many tenths of the time on, six tenths of it.
-    From(usize),
+    /// The rows between two tenths of the time.
+    Tenths([usize; 2]),
 }
 
 /// Each of them, in the order of the page.
@@ -32,12 +32,12 @@ pub const ALTERATIONS: [Alteration; 9] = [
     Alteration::Held(3),
     Alteration::Coarser(4),
     Alteration::Jittered(20),
-    Alteration::From(0),
-    Alteration::From(2),
-    Alteration::From(4),
+    Alteration::Tenths([0, 6]),
+    Alteration::Tenths([2, 8]),
+    Alteration::Tenths([4, 10]),
 ];
 
-/// Further ones, of other sizes. They were first run when the method was as it is, so they tell what the others no longer do.
+/// Further ones, of other sizes. They were first run after the method was changed by the others. Then it was changed by them.
 pub const FURTHER: [Alteration; 8] = [
     Alteration::Slower(4),
     Alteration::Held(2),
@@ -45,8 +45,20 @@ pub const FURTHER: [Alteration; 8] = [
     Alteration::Coarser(2),
     Alteration::Coarser(8),
     Alteration::Jittered(40),
-    Alteration::From(1),
-    Alteration::From(3),
+    Alteration::Tenths([1, 7]),
+    Alteration::Tenths([3, 9]),
+];
+
+/// Fresh ones, of sizes again. They were first run when the method was as it is, so they tell what the others no longer do.
+pub const FRESH: [Alteration; 8] = [
+    Alteration::Slower(5),
+    Alteration::Held(4),
+    Alteration::Held(8),
+    Alteration::Coarser(3),
+    Alteration::Coarser(16),
+    Alteration::Jittered(60),
+    Alteration::Tenths([0, 8]),
+    Alteration::Tenths([3, 7]),
 ];
 
 impl fmt::Display for Alteration {
@@ -57,7 +69,7 @@ impl fmt::Display for Alteration {
             Self::Held(rows) => write!(out, "held {rows} rows"),
             Self::Coarser(times) => write!(out, "step × {times}"),
             Self::Jittered(percent) => write!(out, "jitter {percent} %"),
-            Self::From(tenth) => write!(out, "tenths {} to {}", tenth + 1, tenth + 6),
+            Self::Tenths([from, to]) => write!(out, "tenths {} to {to}", from + 1),
         }
     }
 }
@@ -91,8 +103,8 @@ impl Alteration {
                 };
                 Recording { t: (0..rows).map(&mut stamp).collect(), ..recording.clone() }
             }
-            Self::From(tenth) => {
-                let [start, end] = [tenth, tenth + 6].map(|tenth| tenth * rows / 10);
+            Self::Tenths(tenths) => {
+                let [start, end] = tenths.map(|tenth| tenth * rows / 10);
                 of_rows(recording, &(start..end).collect::<Vec<_>>())
             }
         }
@@ -136,7 +148,7 @@ mod tests {
     fn rows_and_gaps_that_are_taken() {
         let slower = Alteration::Slower(3).of(&ramp());
         assert_eq!((slower.t, slower.gaps), (vec![0.0, 3.0, 6.0, 9.0], vec![2]));
-        let part = Alteration::From(4).of(&ramp());
+        let part = Alteration::Tenths([4, 10]).of(&ramp());
         assert_eq!((part.t, part.gaps), (vec![4.0, 5.0, 6.0, 7.0, 8.0, 9.0], vec![1]));
     }
 

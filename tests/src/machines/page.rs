@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::Machine;
-use super::alteration::FURTHER;
+use super::alteration::{FRESH, FURTHER};
 use super::catalogue::MACHINES;
 use super::rows::Row;
 use super::score::Score;
@@ -81,9 +81,11 @@ fn made_worse(out: &mut String, scored: &[Scored<'_>]) {
          stamps that are off by up to a tenth of an interval. `tenths 1 to 6`: a part of each recording. A machine stays\n\
          what it is, so a name that is false of it is wrong here too. The method was changed where such rows were wrong, so\n\
          nobody has kept them unseen. [machines-altered-start.csv](machines-altered-start.csv) has them before the change. The further ones are\n\
-         alterations of other sizes, which were first run afterwards: {}.\n\n\
+         alterations of other sizes, which were first run afterwards: {}. Then the method was changed by them too. The fresh\n\
+         ones were first run with the method as it is: {}.\n\n\
          | machine | splits | right | wrong | abstains | false nothing |\n|---|---|---|---|---|---|\n",
-        FURTHER.map(|alteration| format!("`{alteration}`")).join(", ")
+        FURTHER.map(|alteration| format!("`{alteration}`")).join(", "),
+        FRESH.map(|alteration| format!("`{alteration}`")).join(", ")
     );
     for machine in MACHINES {
         let own = scored.iter().filter(|(of, _, score)| of.name == machine.name && *score != Score::NotAsked);
@@ -94,10 +96,13 @@ fn made_worse(out: &mut String, scored: &[Scored<'_>]) {
     }
     let all: Vec<Score> = scored.iter().map(|(.., score)| *score).filter(|score| *score != Score::NotAsked).collect();
     let _ = writeln!(out, "| **total** | {} |", counted(&all));
-    let names = FURTHER.map(|alteration| alteration.to_string());
-    let of_further = scored.iter().filter(|(_, row, score)| names.contains(&row.split) && *score != Score::NotAsked);
-    let further: Vec<Score> = of_further.map(|(.., score)| *score).collect();
-    let _ = writeln!(out, "| of these, the further ones | {} |\n", counted(&further));
+    for (set, alterations) in [("further", FURTHER), ("fresh", FRESH)] {
+        let names = alterations.map(|alteration| alteration.to_string());
+        let own = scored.iter().filter(|(_, row, score)| names.contains(&row.split) && *score != Score::NotAsked);
+        let own: Vec<Score> = own.map(|(.., score)| *score).collect();
+        let _ = writeln!(out, "| of these, the {set} ones | {} |", counted(&own));
+    }
+    out.push('\n');
     for (_, row, score) in scored.iter().filter(|(.., score)| matches!(score, Score::Wrong | Score::FalseNothing)) {
         let names = if row.named.is_empty() {
             String::new()

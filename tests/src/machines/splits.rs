@@ -5,7 +5,7 @@ use std::fmt;
 use breakaway::recording::Recording;
 
 use super::Machine;
-use super::alteration::{ALTERATIONS, Alteration, FURTHER};
+use super::alteration::{ALTERATIONS, Alteration, FRESH, FURTHER};
 use super::reading::Source;
 
 /// Most files that are left out one by one. More files are left out in groups.
@@ -67,6 +67,7 @@ impl Split {
             Self::Part { .. } => "thirds",
             Self::Alone(_) => "alone",
             Self::Altered(alteration) if FURTHER.contains(alteration) => "further",
+            Self::Altered(alteration) if FRESH.contains(alteration) => "fresh",
             Self::Altered(_) => "altered",
         }
     }
@@ -91,7 +92,7 @@ pub fn splits(machine: &Machine) -> Vec<Split> {
 pub fn harder(machine: &Machine) -> Vec<Split> {
     let every = machine.files.div_ceil(MOST_ALONE);
     let alone = (0..machine.files).step_by(every).filter(|_| machine.files > 1).map(Split::Alone);
-    alone.chain(ALTERATIONS.into_iter().chain(FURTHER).map(Split::Altered)).collect()
+    alone.chain(ALTERATIONS.into_iter().chain(FURTHER).chain(FRESH).map(Split::Altered)).collect()
 }
 
 /// Recordings of a split.
