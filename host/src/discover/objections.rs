@@ -14,8 +14,8 @@ const AGAINST: f64 = -2.0;
 /// Force that is left, over what the sensor's noise makes of it, above which the measured forces may speak.
 const FORCE: f64 = 5.0;
 
-/// Whether the measured forces object to `names` of the simulated motion: they object to one of them whatever its
-/// parameters, they contradict the inertia of its `model`, or they speak against each name.
+/// Whether the measured forces object to `names` of the simulated motion. They tell no inertia and did not give a name; or
+/// they contradict the inertia of its `model`; or they speak against each name.
 pub(super) fn any(ruling: &Ruling, names: &[Kind], model: &Candidate) -> bool {
     let told = |kind: Kind| tells(kind) || kind.bristles() && tells_bristle(ruling, model, kind);
     names.iter().all(|kind| told(*kind) && is_doubtful(ruling, *kind))

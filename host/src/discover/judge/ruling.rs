@@ -46,7 +46,7 @@ pub struct Ruling {
     pub candidates: Vec<Candidacy>,
     /// The last round: what was tried beside the names.
     pub left: Vec<Candidacy>,
-    /// Gain in the first round of what is seen and not named, nats: of the best significant decoy, or of what predicts best
+    /// Gain in the first round of what is seen and not named, nats. That is the best significant decoy, or what predicts best
     /// what is left. It is 0 where nothing predictable is left.
     pub unnamed_gain: f64,
     /// Held-out residual of side U over the rms of the drive: base, and final model.
