@@ -146,10 +146,14 @@ impl Ruling {
         let some = (1..self.findings.len()).contains(&findings.len());
         some.then(|| Self { findings, ..self.naming_nothing() })
     }
-    /// The ruling without its names.
+    /// The ruling without its names. What they explained is left, with the z of a name.
     #[must_use]
     pub fn naming_nothing(&self) -> Self {
-        Self { findings: Vec::new(), seen: Vec::new(), ..self.clone() }
+        let mut own = Self { findings: Vec::new(), seen: Vec::new(), ..self.clone() };
+        if !self.findings.is_empty() {
+            own.remainder.significance = own.remainder.significance.max(Settings::default().z);
+        }
+        own
     }
     /// Rulings with one of the effects that are seen named.
     pub fn with_each_seen(&self) -> Vec<Self> {
@@ -392,6 +396,15 @@ mod tests {
             ruling.tells_nothing_is_missing()
         };
         assert_eq!([of(3.9), of(5.8)], [true, false]);
+    }
+
+    /// The forces named a saturation of LAAS's motor, of which the motion knows nothing (steps 16 times as large). The names
+    /// go, and it is not said that nothing is missing.
+    #[test]
+    fn names_that_are_taken_back_are_still_significant() {
+        let [none, named] = [&[][..], &[Kind::Saturation]].map(|kinds| Ruling::naming(kinds, [0.03, 7.7]));
+        let said = [none, named].map(|ruling| ruling.naming_nothing().tells_nothing_is_missing());
+        assert_eq!(said, [true, false]);
     }
 
     /// Four seconds hold sixteen blocks. Where there are fewer, an effect that is there may have no z of a name.
