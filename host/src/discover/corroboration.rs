@@ -80,7 +80,8 @@ fn generalises(names: &[Kind], before: &[Kind]) -> bool {
     new.into_iter().any(|kind| lost().any(|special| kind.generalises(*special)))
 }
 
-/// Whether the measured forces gave each of the `names` of the simulated motion too. No name may be left `before`. Then the search found a fit of the same names, and no third witness is needed.
+/// Whether the measured forces gave each of the `names` of the simulated motion too. No name may be left `before`. Then the
+/// search found a fit of the same names, and no third witness is needed.
 fn agree(ruling: &Ruling, names: &[Kind], before: &[Kind]) -> bool {
     before.is_empty() && names.iter().all(|kind| objections::gave(ruling, *kind))
 }
@@ -95,8 +96,8 @@ pub(super) fn differs_untold(small: &Discovery, before: &Discovery) -> bool {
     !different.is_empty() && !different.into_iter().any(tells)
 }
 
-/// The same as [`believed`] where there is no discovery of the measured forces. The names must come down to the noise. In open loop
-/// they must follow no worse than the base, and no worse than the cubic in time.
+/// The same as [`believed`] where there is no discovery of the measured forces. The names must come down to the noise. In
+/// open loop they must follow no worse than the base, and no worse than the cubic in time.
 pub(super) fn stands_alone(request: &Request, ruling: Option<&Ruling>, small: &Discovery) -> bool {
     if small.effects.is_empty() {
         return !small.down_to_the_noise() || ruling.is_some_and(Ruling::tells_nothing_is_missing);
