@@ -49,7 +49,8 @@ pub const FURTHER: [Alteration; 8] = [
     Alteration::Tenths([3, 9]),
 ];
 
-/// Fresh ones, of sizes again. They were first run when the method was as it is, so they tell what the others no longer do.
+/// Fresh ones, of other sizes again. No rule was made by them when they were first run, so they told what the others no longer
+/// do.
 pub const FRESH: [Alteration; 8] = [
     Alteration::Slower(5),
     Alteration::Held(4),

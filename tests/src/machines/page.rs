@@ -82,7 +82,7 @@ fn made_worse(out: &mut String, scored: &[Scored<'_>]) {
          what it is, so a name that is false of it is wrong here too. The method was changed where such rows were wrong, so\n\
          nobody has kept them unseen. [machines-altered-start.csv](machines-altered-start.csv) has them before the change. The further ones are\n\
          alterations of other sizes, which were first run afterwards: {}. Then the method was changed by them too. The fresh\n\
-         ones were first run with the method as it is: {}.\n\n\
+         ones were first run after that: {}.\n\n\
          | machine | splits | right | wrong | abstains | false nothing |\n|---|---|---|---|---|---|\n",
         FURTHER.map(|alteration| format!("`{alteration}`")).join(", "),
         FRESH.map(|alteration| format!("`{alteration}`")).join(", ")
