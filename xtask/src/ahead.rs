@@ -1,4 +1,4 @@
-//! What is begun beside the build of the host's programs: images, the page, QEMU, Unicorn, and the Pythons. An image is
+//! What is begun beside the build of the host's programs: images, the page, QEMU, Unicorn, Chromium, and the Pythons. An image is
 //! linked on one core, and a download uses none.
 //!
 //! Each has a step of its own later, which finds it done, or does it again and says why it fails. Output and errors are
@@ -12,7 +12,7 @@ use anyhow::Result;
 
 use crate::cross::{self, Toolchain};
 use crate::run::beside;
-use crate::{emulator, export, processor, python, qemu, rp2350, web};
+use crate::{chromium, emulator, export, processor, python, qemu, rp2350, web};
 
 /// What it took.
 pub struct Taken {
@@ -25,10 +25,14 @@ pub struct Taken {
 /// folder than the host's programs, so that neither build waits for the lock of the other.
 pub fn all(toolchain: Toolchain, stopped: &AtomicBool) -> Taken {
     // The downloads first, as the host's build has the processor meanwhile. Of the images the slowest comes first.
-    let fetched: [&dyn Fn() -> Result<PathBuf>; 5] =
-        [&qemu::program, &|| emulator::library().map(|()| PathBuf::new()), &rp2350::emulator, &export::python, &|| {
-            python::environments().map(|_| PathBuf::new())
-        }];
+    let fetched: [&dyn Fn() -> Result<PathBuf>; 6] = [
+        &qemu::program,
+        &|| emulator::library().map(|()| PathBuf::new()),
+        &rp2350::emulator,
+        &export::python,
+        &|| python::environments().map(|_| PathBuf::new()),
+        &chromium::program,
+    ];
     let images = [&cross::NUCLEO, &cross::PICO2, &cross::IMAGE, &cross::INTEGER_TICK, &cross::BUDGET];
     let builds = images.into_iter().chain(cross::BUILDS.map(|(_, build)| build));
     let start = Instant::now();

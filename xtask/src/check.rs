@@ -18,7 +18,7 @@ use crate::python;
 use crate::qemu;
 use crate::report::{Report, Tests};
 use crate::rp2350;
-use crate::run::{at_low_priority, cargo, run, run_counting, run_counting_both, succeeds};
+use crate::run::{Counted, at_low_priority, cargo, one_after_another, run, run_counting, side_by_side, succeeds};
 use crate::setup;
 use crate::web;
 use crate::words::words_interface_licences;
@@ -111,9 +111,6 @@ fn steps(report: &mut Report) -> Result<()> {
     }
     let simulators = matches!(simulators, Some(Ok(_)));
     let browser = web::prepare(report)?;
-    let programs =
-        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
-    report.tests("host tests", || host_tests(programs))?;
     let mut pythons = None;
     report.check("Python for the wheel", || {
         pythons = Some(python::environments());
@@ -122,11 +119,16 @@ fn steps(report: &mut Report) -> Result<()> {
             _ => Ok(()),
         }
     })?;
-    match pythons {
-        Some(Ok(pythons)) => report.tests("the Python package", || python::test(&pythons))?,
-        Some(Err(error)) => report.not_run(format!("the Python package: {error:#}")),
-        None => (),
+    if let Some(Err(error)) = &pythons {
+        report.not_run(format!("the Python package: {error:#}"));
     }
+    let package = || match &pythons {
+        Some(Ok(pythons)) => python::test(pythons),
+        _ => (Tests::default(), Ok(())),
+    };
+    let programs =
+        [("virtual_board", qemu.is_some()), ("emulator", emulated), ("export", simulators), ("browser", browser)];
+    report.tests("host tests, and the Python package", || host_tests(programs, package))?;
     report
         .tests("documentation tests", || run_counting(cargo_linted(["test", "--doc", "--no-fail-fast"]).args(ALL)))?;
     for (title, build) in cross::BUILDS {
@@ -155,19 +157,26 @@ fn host_programs() -> Result<()> {
 type Programs = [(&'static str, bool); 4];
 
 /// Runs the host tests by nextest where it is installed; else by cargo's own runner, where the tests look for QEMU, Unicorn
-/// and MuJoCo themselves.
-fn host_tests(programs: Programs) -> (Tests, Result<()>) {
+/// and MuJoCo themselves. The tests of the Python `package` run beside them.
+fn host_tests(programs: Programs, package: impl FnOnce() -> Counted) -> Counted {
     if !succeeds(&mut cargo(["nextest", "--version"])) {
-        return run_counting(cargo_linted(["test", "--tests", "--no-fail-fast"]).args(ALL));
+        let mut all = cargo_linted(["test", "--tests", "--no-fail-fast"]);
+        return one_after_another(|| run_counting(all.args(ALL)), package);
     }
     let (real_time, others) = (format!("binary({REAL_TIME})"), format!("not binary({REAL_TIME})"));
-    let others = at_low_priority(&nextest(&others, &programs));
-    if !programs.contains(&(REAL_TIME, true)) {
-        return run_counting(&mut { others });
-    }
+    // One more than there are processors, because some tests wait: for a device, a browser, or their own longest part.
+    let at_once = thread::available_parallelism().map_or(2, |processors| processors.get() + 1);
+    let mut others = nextest(&others, &programs);
+    others.args(["--test-threads", &at_once.to_string()]);
+    let mut others = at_low_priority(&others);
     // A virtual board is an emulator, a plant and a client, with time-outs of real time between them. Together they take about
-    // half of a core. The other tests get what is left.
-    run_counting_both(nextest(&real_time, &programs).args(["--test-threads", "1"]), &mut { others })
+    // half of a core. The other tests get what is left. The package's tests wait, because they take a whole core.
+    let boards = || {
+        let there = programs.contains(&(REAL_TIME, true));
+        let mut boards = nextest(&real_time, &programs);
+        if there { run_counting(boards.args(["--test-threads", "1"])) } else { (Tests::default(), Ok(())) }
+    };
+    side_by_side(|| one_after_another(boards, package), || run_counting(&mut others))
 }
 
 /// The tests that run in real time.

@@ -80,8 +80,11 @@ pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
     }
 }
 
+/// What a run of tests counted, and whether it succeeded.
+pub type Counted = (Tests, Result<()>);
+
 /// As [`run`], counting what the test runner in it reports. The counts hold whether it fails or not.
-pub fn run_counting(command: &mut Command) -> (Tests, Result<()>) {
+pub fn run_counting(command: &mut Command) -> Counted {
     let line = announce(command);
     let mut child = match command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn() {
         Ok(child) => child,
@@ -104,15 +107,23 @@ pub fn run_counting(command: &mut Command) -> (Tests, Result<()>) {
     (tests, result)
 }
 
-/// As [`run_counting`], of two commands side by side.
-pub fn run_counting_both(one: &mut Command, other: &mut Command) -> (Tests, Result<()>) {
+/// Two runs of tests side by side, and what both counted.
+pub fn side_by_side(one: impl FnOnce() -> Counted, other: impl FnOnce() -> Counted + Send) -> Counted {
     thread::scope(|scope| {
-        let other = scope.spawn(|| run_counting(other));
-        let (mut tests, result) = run_counting(one);
+        let other = scope.spawn(other);
+        let (mut tests, result) = one();
         let Ok((more, other)) = other.join() else { return (tests, Err(anyhow::anyhow!("a runner has panicked"))) };
         tests += more;
         (tests, result.and(other))
     })
+}
+
+/// Two runs of tests one after another, the second one even if the first fails.
+pub fn one_after_another(one: impl FnOnce() -> Counted, other: impl FnOnce() -> Counted) -> Counted {
+    let (mut tests, result) = one();
+    let (more, other) = other();
+    tests += more;
+    (tests, result.and(other))
 }
 
 /// The same command, which gives way to whatever else runs; as it is where there is no `nice`.
