@@ -16,7 +16,7 @@ pub enum Rejection {
     Gain,
     /// The inertia is not positive with it.
     Inertia,
-    /// The viscous coefficient or the Coulomb friction is negative with it.
+    /// The viscous coefficient or the Coulomb friction of both sides is negative with it.
     Base,
     /// The drive determines less of the acceleration than without it, or too little.
     Coherence,
@@ -133,6 +133,12 @@ pub(super) fn is_physical(form: &WeakForm<'_>, side: &Side, u: &Side) -> bool {
     (side.c + c_error) * form.v95 >= little && side.f1 + f1_error >= little
 }
 
+/// Whether the base of one side is physical. Noise in the acceleration draws the friction of side U below zero, and noise in
+/// the drive that of side A (docs/discovery.md, section 5).
+fn has_physical_base(form: &WeakForm<'_>, fitted: &Fitted) -> bool {
+    [&fitted.u, &fitted.a].iter().any(|side| is_physical(form, side, &fitted.u))
+}
+
 fn rejection(
     form: &WeakForm<'_>,
     before: &Fitted,
@@ -142,13 +148,11 @@ fn rejection(
     bar: &Bar,
     settings: &Settings,
 ) -> Option<Rejection> {
-    for side in [&after.u, &after.a] {
-        if !(side.b > 0.0 && side.b.is_finite()) {
-            return Some(Rejection::Inertia);
-        }
-        if !is_physical(form, side, &after.u) {
-            return Some(Rejection::Base);
-        }
+    if [&after.u, &after.a].iter().any(|side| !(side.b > 0.0 && side.b.is_finite())) {
+        return Some(Rejection::Inertia);
+    }
+    if !has_physical_base(form, after) {
+        return Some(Rejection::Base);
     }
     if amplitude_is_wrong(after, term, index) {
         return Some(Rejection::Amplitude);
@@ -203,6 +207,7 @@ pub fn floor_ratio(form: &WeakForm<'_>, u: &Side) -> f64 {
 mod tests {
     use breakaway_core::plant::Kind;
 
+    use super::super::bar::tests::Axis;
     use super::super::dataset::Dataset;
     use super::super::search::judge;
     use super::super::term::Name;
@@ -248,6 +253,21 @@ mod tests {
 
     /// Stroke of the bristles, rad.
     const STROKE: f64 = 0.08;
+
+    /// Noise draws the friction of one side below zero. Where both are below, no noise explains it.
+    #[test]
+    fn one_side_may_have_a_negative_friction() {
+        let settings = Settings::default();
+        let dataset = Dataset::new(&[Axis { f1: 0.1, drag: 0.0, load: 0.0, seed: 1 }.recording()], &settings);
+        let form = WeakForm::new(&dataset, 0.02, &settings).unwrap();
+        let fitted = Model::default().fit(&form, &Weights::equal(&form), &settings).unwrap();
+        let with = |[u, a]: [f64; 2]| {
+            let mut own = fitted.clone();
+            (own.u.c, own.a.c) = (u, a);
+            has_physical_base(&form, &own)
+        };
+        assert_eq!([[0.03, 0.03], [-0.03, 0.03], [0.03, -0.03], [-0.03, -0.03]].map(with), [true, true, true, false]);
+    }
 
     /// Side A only confirms what side U tells alone. It decides where the force holds the drive, where it tells nothing,
     /// and where the sides disagree.
