@@ -124,7 +124,7 @@ fn a_real_recording_gives_the_commands_numbers() {
 
 /// The ball screw of EMPS: all numbers of a longer discovery.
 #[test]
-#[ignore = "20 s; docs/browser.md has the command"]
+#[ignore = "40 s; docs/browser.md has the command"]
 fn a_longer_recording_gives_the_commands_numbers() {
     let mut page = needs!(Page::open());
     let data = needs!(measured_data());
