@@ -5,7 +5,6 @@
 
 use std::slice;
 
-use breakaway::discover::engine::Request;
 use breakaway::discover::judge::dataset::Dataset;
 use breakaway::discover::judge::regression::rms;
 use breakaway::discover::judge::ruling::Ruling;
@@ -13,6 +12,7 @@ use breakaway::discover::judge::search::judge;
 use breakaway::discover::judge::settings::Settings;
 use breakaway::discover::judge::tried::Tried;
 use breakaway::discover::judge::weak_form::WeakForm;
+use breakaway::discover::request::Request;
 use breakaway::discover::ruled::{radians, ruled};
 use breakaway_hidden::Role;
 use breakaway_tests::blind::recordings;

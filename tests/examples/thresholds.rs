@@ -5,10 +5,10 @@
 //! effects of 10 %, `--clean 3601..3605` sessions without. Names are those of the measured forces alone. The table is
 //! that of docs/discovery.md.
 
-use breakaway::discover::engine::Request;
 use breakaway::discover::judge::finding::Finding;
 use breakaway::discover::judge::ruling::Ruling;
 use breakaway::discover::judge::settings::Settings;
+use breakaway::discover::request::Request;
 use breakaway::discover::ruled::ruled;
 use breakaway_core::plant::Kind;
 use breakaway_hidden::{Case, Setting};

@@ -9,8 +9,8 @@ use std::f64::consts::FRAC_PI_4;
 
 use breakaway::discover::data::{Data, FIT_SEGMENT_S};
 use breakaway::discover::decide::{NAMING, paired};
-use breakaway::discover::engine::Request;
 use breakaway::discover::judge::settings::Settings;
+use breakaway::discover::request::Request;
 use breakaway::discover::ruled::ruled;
 use breakaway::fit::{Candidate, Fit, Free, Problem};
 use breakaway_core::plant::{Base, Effect, Kind};

@@ -1,6 +1,6 @@
 //! Requests of a discovery, for examples that ask the judge alone.
 
-use breakaway::discover::engine::Request;
+use breakaway::discover::request::Request;
 use breakaway::recording::{Recording, in_session_order};
 use breakaway_hidden::{Case, Experiment, Role, Setting};
 use clap::Args;

@@ -5,8 +5,9 @@
 //! Seeds from 901 on are not used for the table there. Of them the slow sines of 903 to 911 and the pair of 902 were
 //! looked at while a rule was made (docs/blind.md).
 
-use breakaway::discover::engine::{DiscoverError, Request, discover};
+use breakaway::discover::engine::discover;
 use breakaway::discover::outcome::Verdict;
+use breakaway::discover::request::{DiscoverError, Request};
 use breakaway::fit::Candidate;
 use breakaway::recording::{ReadOptions, Recording, Selection};
 use breakaway_core::plant::Base;

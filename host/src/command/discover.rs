@@ -18,9 +18,10 @@ use super::output::Output;
 use super::progress::Steps;
 use super::recording_args::RecordingArgs;
 use super::session::Session;
-use crate::discover::engine::{self, Request};
+use crate::discover::engine;
 use crate::discover::outcome::{Discovery, Provenance};
 use crate::discover::progress::Watch;
+use crate::discover::request::Request;
 #[cfg(feature = "command")]
 use crate::file::FileKind;
 use crate::file::Target;

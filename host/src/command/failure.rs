@@ -12,7 +12,7 @@ use crate::control::ControlError;
 use crate::device::DeviceError;
 use crate::device::set_points::LineError;
 use crate::device::virtual_board::VirtualBoardError;
-use crate::discover::engine::DiscoverError;
+use crate::discover::request::DiscoverError;
 use crate::export::ExportError;
 use crate::file::{FileError, TargetError};
 use crate::fit::FitError;

@@ -3,11 +3,11 @@
 use breakaway_core::plant::effect::{ActsIn, Role};
 use breakaway_core::plant::{Effect, Kind};
 
-use super::engine::Request;
 use super::judge::finding::Finding;
 use super::judge::reading_age::reading_age_s;
 use super::judge::ruling::Ruling;
 use super::judge::settings::Settings;
+use super::request::Request;
 use super::ruled::Ruled;
 use crate::fit::Candidate;
 use crate::recording::Recording;

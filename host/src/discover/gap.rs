@@ -5,6 +5,11 @@ use rayon::prelude::*;
 use super::data::{Data, FIT_SEGMENT_S};
 use crate::fit::{Fit, SCORE_ITERATIONS, Segment};
 
+/// Held-out simulation error, over the sensor's noise, up to which nothing but that noise is left.
+pub(super) const AT_THE_NOISE: f64 = 1.1;
+/// The same ratio, above which the forces tell more of what is left than the motion. Nearer to the noise the motion tells
+/// effects that act in few samples, as a drive that is clipped now and then.
+pub(super) const FAR: f64 = 10.0;
 /// The gap, the mean of ln((σ² + mse)/2σ²) over held-out segments, below which it is within the noise.
 const GAP_NOISE: f64 = 0.06;
 /// Share of held-out segments that may stay above twice the noise's mean square in an explained record.

@@ -2,7 +2,7 @@
 
 use breakaway_core::plant::effect::Memory;
 
-use super::engine::FAR;
+use super::gap::FAR;
 use super::judge::ruling::Ruling;
 use crate::fit::Candidate;
 

@@ -1,5 +1,6 @@
 //! Discovery: where simulation and measurement disagree, what is missing, and whether adding it closes the gap.
 
+mod assembled;
 mod by_force;
 mod candidate_rows;
 mod clock;
@@ -18,8 +19,10 @@ mod model;
 pub mod next_experiment;
 mod objections;
 pub mod outcome;
+mod prepared;
 pub mod progress;
 mod replication;
+pub mod request;
 pub mod ruled;
 pub mod screen;
 mod search;

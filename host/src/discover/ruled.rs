@@ -5,12 +5,12 @@ use std::ops::RangeInclusive;
 use breakaway_core::plant::Effect;
 
 use super::clock::{Clocked, clocked, with_delay};
-use super::engine::Request;
 use super::judge::ruling::{ALL_WIDTHS, Ruling, rule_within};
 use super::judge::settings::Settings;
 use super::judge::zeros;
 use super::known::without_effects;
 use super::replication::replicated;
+use super::request::Request;
 use crate::fit::Candidate;
 use crate::recording::{Recording, Units};
 
@@ -78,7 +78,7 @@ pub(super) fn leaves_nothing_predictable(request: &Request, model: &Candidate, r
     let wider = ruling.half_width_s..=f64::INFINITY;
     let again = || rule_beside(&request.recordings, Some(model), wider, units, &Settings::default());
     let nothing =
-        |again: Ruling| again.findings.is_empty() && again.remainder.predictable.is_none() && again.leaves_nothing();
+        |again: Ruling| again.findings.is_empty() && !again.leaves_something_predictable() && again.leaves_nothing();
     !bodies && ruling.of_recordings.is_none() && again().is_some_and(nothing)
 }
 

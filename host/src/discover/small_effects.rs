@@ -6,13 +6,15 @@ use std::sync::atomic::AtomicU64;
 
 use breakaway_core::plant::{Effect, Kind};
 
+use super::assembled::assembled;
 use super::candidate_rows;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::engine::{DiscoverError, Prepared, Request, assembled, prepared};
 use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::{Discovery, Verdict};
+use super::prepared::{Prepared, prepared};
 use super::progress::{Progress, Watch};
+use super::request::{DiscoverError, Request};
 use super::search::Search;
 use crate::fit::Candidate;
 use crate::recording::{Recording, Units, share_a_clock};

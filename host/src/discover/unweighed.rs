@@ -4,13 +4,14 @@ use breakaway_core::plant::{Effect, Kind};
 
 use super::by_force;
 use super::data::{FIT_SEGMENT_S, SHORT_SEGMENT_S};
-use super::engine::{Prepared, Request, prepared};
 use super::judge::finding::Finding;
 use super::judge::library::{tells_apart, weighs};
 use super::judge::ruling::Ruling;
 use super::model::Model;
 use super::outcome::Discovery;
+use super::prepared::{Prepared, prepared};
 use super::progress::{Progress, Watch};
+use super::request::Request;
 use super::search::{Standing, confusable, stand_ins};
 use crate::recording::Units;
 

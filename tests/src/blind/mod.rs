@@ -7,9 +7,10 @@ pub mod rules;
 pub mod table;
 pub mod unkind;
 
-use breakaway::discover::engine::{Request, discover};
+use breakaway::discover::engine::discover;
 use breakaway::discover::outcome::{CandidateRow, Discovery, Verdict};
 use breakaway::discover::progress::Watch;
+use breakaway::discover::request::Request;
 use breakaway::recording::{Recording, Units};
 use breakaway_hidden::{Case, Hidden, Record, Role, Session, Truth};
 

@@ -3,9 +3,10 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-use breakaway::discover::engine::{Request, discover};
+use breakaway::discover::engine::discover;
 use breakaway::discover::outcome::Discovery;
 use breakaway::discover::progress::Watch;
+use breakaway::discover::request::Request;
 
 use super::score::{Named, PANICKED, REFUSED};
 use super::splits::Taken;

@@ -20,7 +20,8 @@ use crate::control::design::{DEFAULT_ADAPTATION_RATE, Design, Request as Tuning}
 use crate::control::reference::Reference;
 use crate::device::experiment::Runner;
 use crate::device::virtual_board::{Machine, Options, VirtualBoard};
-use crate::discover::engine::{Request, discover};
+use crate::discover::engine::discover;
+use crate::discover::request::Request;
 use crate::file::make_folder;
 use crate::interrupt::{FinishFirst, finish_first};
 use crate::report::text::quantity;

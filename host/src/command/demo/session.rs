@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::discover::engine::Request;
 use crate::discover::outcome::Provenance;
+use crate::discover::request::Request;
 use crate::file::make_folder;
 use crate::fleet::hash::hash;
 use crate::recording::Recording;

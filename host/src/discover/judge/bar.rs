@@ -97,8 +97,9 @@ pub(in crate::discover) mod tests {
 
     use super::*;
     use crate::discover::judge::dataset::Dataset;
-    use crate::discover::judge::sides::{Model, Weights};
+    use crate::discover::judge::sides::Model;
     use crate::discover::judge::weak_form::WeakForm;
+    use crate::discover::judge::weights::Weights;
     use crate::recording::Recording;
 
     /// What an axis has beside b = .02 and c = .03.

@@ -6,13 +6,14 @@ use breakaway_core::plant::{Effect, Kind};
 
 use super::dataset::Piece;
 use super::finding::Finding;
+use super::kernels::{Kernels, norm, over};
 use super::random_effects::{Estimate, mean};
 use super::regression::rms;
 use super::search::Judged;
 use super::settings::Settings;
 use super::sides::Side;
 use super::term::Name;
-use super::weak_form::{Kernels, WeakForm, norm, over};
+use super::weak_form::WeakForm;
 
 /// Velocity below which an axis stands, in standard deviations of its noise.
 const STANDS: f64 = 3.0;

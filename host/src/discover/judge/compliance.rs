@@ -11,9 +11,10 @@ use super::evidence::{Evidence, Rejection, floor_ratio, is_physical};
 use super::gain::{Gain, gain};
 use super::regression::{Design, rms};
 use super::settings::Settings;
-use super::sides::{Fitted, Model, Side, by_speed};
+use super::sides::{Fitted, Model, Side};
 use super::term::{Column, Term};
 use super::weak_form::WeakForm;
+use super::weights::by_speed;
 
 /// Longest stroke of a bristle, as a share of the travel. From one end of it to the other the bristle is then bent to
 /// 1 − 2·exp(−3), or 90 %, the other way. A longer one hardly lets go, as a spring does.

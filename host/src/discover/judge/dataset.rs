@@ -70,7 +70,7 @@ impl Dataset {
 
     /// Angular frequency at which the drive of each piece repeats, rad/s, and the number of its periods; `None` where it
     /// does not repeat.
-    fn fundamentals(&self) -> &[Option<(f64, f64)>] {
+    pub(super) fn fundamentals(&self) -> &[Option<(f64, f64)>] {
         self.fundamentals.get_or_init(|| self.pieces.iter().map(Piece::fundamental).collect())
     }
 

@@ -5,13 +5,14 @@ use breakaway_core::plant::Base;
 
 use super::dataset::Piece;
 use super::friction_observer::FrictionObserver;
+use super::kernels::{Kernels, norm, over};
 use super::library::Made;
 use super::regression::{Design, rms};
 use super::settings::Settings;
 use super::sides::{Fitted, Model};
 use super::start;
 use super::term::Term;
-use super::weak_form::{Field, Kernels, WeakForm, norm, over};
+use super::weak_form::{Field, WeakForm};
 
 /// Largest share of the 95th percentile of the speed that the noise of the velocity may make.
 const SLOW: f64 = 0.01;
@@ -89,7 +90,8 @@ impl WeakForm<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::reading_age::reading_age_s;
-    use super::super::sides::{Model, Weights};
+    use super::super::sides::Model;
+    use super::super::weights::Weights;
     use super::*;
     use crate::discover::judge::dataset::Dataset;
     use crate::discover::judge::regression::rms;

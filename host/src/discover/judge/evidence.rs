@@ -5,9 +5,10 @@ use super::compliance;
 use super::gain::{Gain, gain};
 use super::regression::rms;
 use super::settings::Settings;
-use super::sides::{Fitted, Model, Side, Weights};
+use super::sides::{Fitted, Model, Side};
 use super::term::{Sign, Term};
 use super::weak_form::WeakForm;
+use super::weights::Weights;
 
 /// Why a term cannot be named.
 #[derive(Clone, Copy, Debug, PartialEq)]

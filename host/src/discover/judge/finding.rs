@@ -6,9 +6,10 @@ use super::bar::best_decoy;
 use super::outcome::Outcome;
 use super::search::{self, Bearing, Judged, Stage};
 use super::settings::Settings;
-use super::sides::{Model, Weights};
+use super::sides::Model;
 use super::start::{self, Errors};
 use super::weak_form::WeakForm;
+use super::weights::Weights;
 
 /// An effect that is named from the measured forces.
 #[derive(Clone, Debug)]

@@ -15,10 +15,10 @@ pub struct Gain {
 
 /// Sums over a block: of the squared residual before and after a term, and of the squared change of the residual.
 #[derive(Clone, Copy, Default)]
-struct Block {
-    before: f64,
-    after: f64,
-    change: f64,
+pub(super) struct Block {
+    pub before: f64,
+    pub after: f64,
+    pub change: f64,
 }
 
 impl Block {
@@ -55,7 +55,7 @@ fn nats(blocks: &[Block]) -> f64 {
 /// z of what the blocks save, d = Σ(r₀² − r₁²) = Σδ·(r₀ + r₁), with the term's held-out prediction δ = r₀ − r₁. A term
 /// acts much in some blocks and little in others. That is no error: the errors are d − c·Σδ², with one c for all blocks.
 /// The sum over its error is a t. It has as many degrees of freedom as blocks that carry δ, less one.
-fn z(blocks: &[Block]) -> f64 {
+pub(super) fn z(blocks: &[Block]) -> f64 {
     let saved = |b: &Block| b.before - b.after;
     let [change, squares, total] = blocks.iter().fold([0.0; 3], |[change, squares, total], b| {
         [change + b.change, squares + b.change * b.change, total + saved(b)]

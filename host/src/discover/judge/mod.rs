@@ -1,5 +1,6 @@
 //! The two-sided force judge. It names the missing effect from the measured forces, before anything is simulated.
 
+mod arrival;
 mod attenuation;
 pub(in crate::discover) mod bar;
 mod break_away;
@@ -11,6 +12,7 @@ pub mod evidence;
 pub mod finding;
 mod friction_observer;
 pub mod gain;
+pub mod kernels;
 pub mod library;
 mod observation;
 mod one_wave;
@@ -20,6 +22,7 @@ mod random_effects;
 pub mod reading_age;
 pub mod regression;
 pub mod remainder;
+pub mod repetition;
 mod review;
 pub mod ruling;
 pub mod search;
@@ -30,4 +33,5 @@ pub mod term;
 pub mod tried;
 pub mod wave_numbers;
 pub mod weak_form;
+pub mod weights;
 pub mod zeros;

@@ -6,10 +6,11 @@ use super::evidence::Rejection;
 use super::outcome::Outcome;
 use super::search::{Judged, Stage, judge, share};
 use super::settings::Settings;
-use super::sides::{Model, Weights};
+use super::sides::Model;
 use super::term::{Name, Term};
 use super::tried::Tried;
 use super::weak_form::WeakForm;
+use super::weights::Weights;
 
 /// Most times that the direction of the friction is found anew.
 const OBSERVATIONS: usize = 3;

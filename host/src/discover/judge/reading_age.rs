@@ -8,9 +8,10 @@ use super::dataset::Dataset;
 use super::regression::rms;
 use super::ruling::narrowest;
 use super::settings::Settings;
-use super::sides::{Model, Weights};
+use super::sides::Model;
 use super::term::{Arrival, Name, Term};
 use super::weak_form::WeakForm;
+use super::weights::Weights;
 use crate::fit::golden_section;
 use crate::recording::Recording;
 

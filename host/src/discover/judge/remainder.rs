@@ -4,6 +4,7 @@ use super::dataset::Dataset;
 use super::evidence::Rejection;
 use super::outcome::Round;
 use super::regression::rms;
+use super::repetition::Repetition;
 use super::search::Judged;
 use super::settings::Settings;
 use super::sides::Fitted;
@@ -16,6 +17,8 @@ use super::weak_form::WeakForm;
 pub struct Remainder {
     /// What predicts a part of it on held-out data; `None` if nothing does.
     pub predictable: Option<Name>,
+    /// What repeats of it with the drive; `None` where no drive repeats, or too fast for the windows.
+    pub repetition: Option<Repetition>,
     /// Its rms, drive units, in windows so wide that the sensor's noise does not count.
     pub rms_u: f64,
     /// The same over the rms of the drive.
@@ -72,6 +75,7 @@ pub(super) fn remainder_of(form: &WeakForm<'_>, own: &Judged, predictable: Optio
     let noise = own.fitted.u.b.abs() * form.noise_a;
     share.is_finite().then_some(Remainder {
         predictable,
+        repetition: None,
         rms_u: left,
         share,
         bandwidth_hz: bandwidth_hz(form.half_width_s),

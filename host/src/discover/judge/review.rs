@@ -18,44 +18,77 @@ const NEAR: f64 = 0.5;
 
 /// The stage with the terms that gain in the final model. `bearings` keeps one entry for each, with its ties.
 pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) -> Option<Stage<'a>> {
-    let (mut j, mut dropped) = (0, false);
-    while j < stage.model.terms.len() {
-        let Name::Effect(own) = stage.model.terms[j].name else { return Some(stage) };
-        let beside = without(&stage, j)?;
-        let tried = beside.weighed(stage.model.terms[j].clone(), &Bar::OPEN);
-        let alone = stage.model.terms.len() == 1;
-        let Some(tried) = tried.filter(|tried| alone || tried.rejection() != Some(Rejection::Gain)) else {
-            bearings.remove(j);
-            (stage, j, dropped) = (beside, 0, true);
-            continue;
-        };
-        let tried = with_zeros(&beside, tried);
-        let before: Vec<Kind> = bearings[j].tied.iter().map(|(kind, _)| *kind).collect();
-        let rivals = rivals(&beside, own, &before, tried.gain);
-        let as_well: Vec<&Tried> = tied(&tried, &rivals, &before, stage.settings).collect();
-        let tie_z = stage.settings.tie_z;
-        let holding = || as_well.iter().copied().filter(|rival| rival.rejection().is_none());
-        let best = |a: &&Tried, b: &&Tried| a.gain.total_cmp(&b.gain);
-        // A law fits no worse than its special cases. It is named only where it fits better.
-        let special = holding().filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind))).max_by(best);
-        let told = |rival: &&Tried| kind(rival).is_some_and(|kind| tells_apart(own, kind));
-        let better = || holding().filter(told).filter(|rival| rival.better_than(&tried) >= tie_z).max_by(best);
-        let named = special.or_else(better).unwrap_or(&tried);
-        let others = as_well.iter().copied().chain([&tried]).filter(|other| kind(other) != kind(named));
-        let others = others.filter_map(|other| Some((kind(other)?, named.better_than(other))));
-        bearings[j].tied = others.filter(|(_, lead)| *lead < tie_z).collect();
-        if kind(named) != Some(own) || named.terms[0].own_zeros != stage.model.terms[j].own_zeros {
-            bearings[j].evidence = named.evidence[0];
-            let mut model = stage.model.clone();
-            model.terms[j] = named.terms[0].clone();
-            stage = Stage::new(stage.form, stage.settings, model, &stage.weights)?;
+    let found = stage.model.terms.len();
+    loop {
+        stage = backward_elimination(stage, bearings)?;
+        let left = stage.model.terms.len();
+        for j in 0..left {
+            stage = with_rivals(stage, j, &mut bearings[j])?;
         }
-        j += 1;
+        // A term may no longer gain beside the rival that took another's place.
+        stage = backward_elimination(stage, bearings)?;
+        if stage.model.terms.len() == left {
+            break;
+        }
     }
-    if dropped {
+    if stage.model.terms.len() < found {
         weigh_in_order(&stage, bearings);
     }
     Some(stage)
+}
+
+/// Drops terms that no longer gain beside all others, that which gains least first, until each of them gains. The last one
+/// stays if it can be fitted.
+fn backward_elimination<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) -> Option<Stage<'a>> {
+    loop {
+        let alone = stage.model.terms.len() == 1;
+        let mut least: Option<(f64, usize, Stage<'a>)> = None;
+        for (j, term) in stage.model.terms.iter().enumerate() {
+            let beside = without(&stage, j)?;
+            let tried = beside.weighed(term.clone(), &Bar::OPEN);
+            let gain = match &tried {
+                Some(tried) if alone || tried.rejection() != Some(Rejection::Gain) => continue,
+                Some(tried) => tried.gain,
+                None => f64::NEG_INFINITY,
+            };
+            if least.as_ref().is_none_or(|(least, ..)| gain < *least) {
+                least = Some((gain, j, beside));
+            }
+        }
+        let Some((_, j, beside)) = least else { break };
+        bearings.remove(j);
+        stage = beside;
+    }
+    Some(stage)
+}
+
+/// The stage after the rivals of its `j`-th term were tried in the term's place. `bearing` keeps its ties.
+fn with_rivals<'a>(stage: Stage<'a>, j: usize, bearing: &mut Bearing) -> Option<Stage<'a>> {
+    let Name::Effect(own) = stage.model.terms[j].name else { return Some(stage) };
+    let beside = without(&stage, j)?;
+    let Some(tried) = beside.weighed(stage.model.terms[j].clone(), &Bar::OPEN) else { return Some(stage) };
+    let tried = with_zeros(&beside, tried);
+    let before: Vec<Kind> = bearing.tied.iter().map(|(kind, _)| *kind).collect();
+    let rivals = rivals(&beside, own, &before, tried.gain);
+    let as_well: Vec<&Tried> = tied(&tried, &rivals, &before, stage.settings).collect();
+    let tie_z = stage.settings.tie_z;
+    let holding = || as_well.iter().copied().filter(|rival| rival.rejection().is_none());
+    let best = |a: &&Tried, b: &&Tried| a.gain.total_cmp(&b.gain);
+    // A law fits no worse than its special cases. It is named only where it fits better.
+    let special = holding().filter(|rival| kind(rival).is_some_and(|kind| own.generalises(kind))).max_by(best);
+    let told = |rival: &&Tried| kind(rival).is_some_and(|kind| tells_apart(own, kind));
+    let better = || holding().filter(told).filter(|rival| rival.better_than(&tried) >= tie_z).max_by(best);
+    let named = special.or_else(better).unwrap_or(&tried);
+    let others = as_well.iter().copied().chain([&tried]).filter(|other| kind(other) != kind(named));
+    let others = others.filter_map(|other| Some((kind(other)?, named.better_than(other))));
+    bearing.tied = others.filter(|(_, lead)| *lead < tie_z).collect();
+    if kind(named) == Some(own) && named.terms[0].own_zeros == stage.model.terms[j].own_zeros {
+        return Some(stage);
+    }
+    bearing.evidence = named.evidence[0];
+    let mut model = stage.model.clone();
+    model.terms[j] = named.terms[0].clone();
+    Stage::new(stage.form, stage.settings, model, &stage.weights)
 }
 
 /// Weighs each term anew beside those before it, as the search does. The evidence from the search is beside a term that
@@ -120,9 +153,9 @@ mod tests {
     use crate::discover::judge::evidence::Evidence;
     use crate::discover::judge::gain::Gain;
     use crate::discover::judge::settings::Settings;
-    use crate::discover::judge::sides::Weights;
     use crate::discover::judge::term::Term;
     use crate::discover::judge::weak_form::WeakForm;
+    use crate::discover::judge::weights::Weights;
     use crate::discover::judge::zeros::tests::with_a_ripple;
     use crate::recording::Recording;
 
@@ -185,6 +218,33 @@ mod tests {
         assert_eq!(reviewed.model.terms[0].name, Name::Effect(Kind::QuadraticDrag));
         assert!(bearings[0].tied.iter().all(|(_, lead)| *lead < settings.tie_z), "{:?}", bearings[0].tied);
     }
+
+    /// A pendulum with its gravity, and after it with a ripple of nearly one wave in a turn. Beside each other neither gains.
+    /// The ripple gains less, so it is dropped, although gravity comes first.
+    #[test]
+    fn the_term_that_gains_least_is_dropped() {
+        let settings = Settings::default();
+        let dataset = Dataset::new(&[pendulum()], &settings);
+        let mut form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
+        (form.radians, form.ripples) = (Some(1.0), true);
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let library = base.library();
+        let of = |kind: Kind| library.of_effects(|own| own == kind).swap_remove(0);
+        let ripple = library.remade(&of(Kind::Cogging), &[NEARLY_ONE_WAVE]).unwrap();
+        let gravity = of(Kind::GravityLoad);
+        let evidence = base.weighed(gravity.clone(), &Bar::OPEN).unwrap().evidence[0];
+        let model = Model::default().with(&gravity).with(&ripple);
+        let stage = Stage::new(&form, &settings, model, &base.weights).unwrap();
+        let alone = |j| without(&stage, j).unwrap().weighed(stage.model.terms[j].clone(), &Bar::OPEN).unwrap();
+        assert!([0, 1].map(alone).iter().all(|tried| tried.rejection() == Some(Rejection::Gain)));
+        let mut bearings = [evidence, evidence].map(|evidence| Bearing { evidence, tied: Vec::new() }).to_vec();
+        let stays = backward_elimination(stage, &mut bearings).unwrap();
+        let names: Vec<Name> = stays.model.terms.iter().map(|term| term.name).collect();
+        assert_eq!((names, bearings.len()), (vec![Name::Effect(Kind::GravityLoad)], 1));
+    }
+
+    /// Waves of the ripple in a turn.
+    const NEARLY_ONE_WAVE: f64 = 1.002;
 
     /// Three pendulums whose encoders start anywhere, fitted with one phase for all. The review gives each its own.
     #[test]

@@ -13,6 +13,7 @@ use super::library::Made;
 use super::observation::observed;
 use super::outcome::Outcome;
 use super::remainder::{Remainder, WIDE, remainder, remainder_of};
+use super::repetition::{Repetition, repetition};
 use super::search::{Judged, judge};
 use super::settings::Settings;
 use super::term::Name;
@@ -96,16 +97,27 @@ impl Ruling {
         let little = self.remainder.share < NOTHING || self.remainder.over_noise < AT_THE_NOISE;
         little && self.of_recordings.is_none()
     }
+    /// Whether a part of what is left can be predicted: by something that was tried, or because it repeats with the drive.
+    pub fn leaves_something_predictable(&self) -> bool {
+        self.remainder.predictable.is_some() || self.repeats()
+    }
+    /// Whether what is left repeats with the drive, and counts. It needs what is asked of anything that predicts a part of it.
+    pub fn repeats(&self) -> bool {
+        let settings = Settings::default();
+        let counts = |own: Repetition| own.z >= settings.z && own.share >= settings.predictable;
+        self.remainder.repetition.is_some_and(counts)
+    }
     /// Whether what the model leaves is nothing: it is little, and the drive tells the inertia.
     pub fn leaves_nothing(&self) -> bool {
         self.coherence >= COHERENT && self.leaves_little()
     }
-    /// Whether nothing is missing: nothing is left, no term has the z of a name in it, and an effect would have been seen.
+    /// Whether nothing is missing: nothing is left, none of it repeats with the drive, no term has the z of a name in it, and an
+    /// effect would have been seen.
     /// What saves d ± d in a block has a z of √n over n blocks, and a name needs z ≥ 4. Over fewer blocks than 16 hardly
     /// any effect has it.
     pub fn tells_nothing_is_missing(&self) -> bool {
         let z = Settings::default().z;
-        self.leaves_nothing() && self.remainder.significance < z && self.blocks as f64 >= z * z
+        self.leaves_nothing() && !self.repeats() && self.remainder.significance < z && self.blocks as f64 >= z * z
     }
     /// Whether the forces tell what is left: they tell the inertia, and more is left than the sensor makes.
     pub fn tells_what_is_left(&self) -> bool {
@@ -217,8 +229,10 @@ pub fn rule_within(
         _ => None,
     });
     let [findings, mut seen] = findings(form, own, settings);
-    let remainder = remainder(&dataset, own, narrowest, predictable.next_back(), settings)
+    let mut remainder = remainder(&dataset, own, narrowest, predictable.next_back(), settings)
         .or_else(|| remainder_of(form, own, None))?;
+    // The windows of the names show shorter periods of the drive than the wide ones.
+    remainder.repetition = repetition(form, &own.fitted.u.residual);
     seen.extend(stiction(form, own, remainder.rms_u, settings));
     Some(Ruling {
         base: Base { b: own.inertia(), c: own.fitted.u.c.max(0.0), f1: own.fitted.u.f1.max(0.0) },
@@ -304,8 +318,15 @@ fn candidacy(tried: &Tried) -> Option<Candidacy> {
 impl Ruling {
     /// A ruling that names these effects, with nothing predictable left; `share` of the drive and `over_noise` are.
     pub(crate) fn naming(kinds: &[Kind], [share, over_noise]: [f64; 2]) -> Self {
-        let remainder =
-            Remainder { predictable: None, rms_u: share, share, bandwidth_hz: 1.0, over_noise, significance: 0.0 };
+        let remainder = Remainder {
+            predictable: None,
+            repetition: None,
+            rms_u: share,
+            share,
+            bandwidth_hz: 1.0,
+            over_noise,
+            significance: 0.0,
+        };
         Self {
             base: Base { b: 1.0, c: 1.0, f1: 1.0 },
             findings: kinds.iter().map(|kind| Finding::of(*kind)).collect(),
@@ -326,92 +347,4 @@ impl Ruling {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::bar::tests::Axis;
-    use super::*;
-
-    /// A drag is slow. The steps of the reading make noise in the acceleration, up to 15 % in the narrowest windows. In
-    /// wider ones they make less, so that the drag is more evident.
-    #[test]
-    fn a_slow_effect_is_judged_in_wide_windows() {
-        let mut recording = Axis { f1: 0.1, drag: 0.01, load: 0.0, seed: 1 }.recording();
-        recording.x.iter_mut().for_each(|x| *x = (*x / STEP).round() * STEP);
-        let settings = Settings::default();
-        let ruling = rule(std::slice::from_ref(&recording), None, &settings).unwrap();
-        assert_eq!(ruling.findings[0].effect.kind, Kind::QuadraticDrag);
-        let narrowest = narrowest(&Dataset::new(&[recording], &settings), &settings).unwrap();
-        assert!(ruling.half_width_s > narrowest, "{} {narrowest}", ruling.half_width_s);
-    }
-
-    /// Step of the reading, rad.
-    const STEP: f64 = 2e-4;
-
-    /// The motion is asked for effects that are seen, and for those that nearly hold.
-    #[test]
-    fn the_forces_speak_for_what_nearly_holds() {
-        let own = |kind, z| Candidacy { kind, gain: 0.01, z, rejection: Some(Rejection::Gain) };
-        let ruling = Ruling {
-            seen: vec![Finding::of(Kind::Cogging)],
-            left: vec![own(Kind::Delay, 3.1), own(Kind::Spring, 2.9)],
-            ..Ruling::naming(&[Kind::ConstantLoad], [0.05, 9.0])
-        };
-        let supported = [Kind::Cogging, Kind::Delay, Kind::Spring].map(|kind| ruling.supports(kind));
-        assert_eq!(supported, [true, true, false]);
-    }
-
-    /// Names that repeat over position are kept apart from the others, where there are both.
-    #[test]
-    fn what_repeats_over_position_is_told_apart() {
-        let repeating = |kinds: &[Kind]| {
-            let own = Ruling::naming(kinds, [0.05, 9.0]).repeating()?;
-            Some(own.findings.iter().map(|finding| finding.effect.kind).collect::<Vec<_>>())
-        };
-        assert_eq!(repeating(&[Kind::Delay, Kind::Cogging]), Some(vec![Kind::Cogging]));
-        assert_eq!([repeating(&[Kind::Cogging]), repeating(&[Kind::Delay, Kind::Spring])], [None, None]);
-    }
-
-    /// A small finding is seen with its share. The others stay, and so does what was seen.
-    #[test]
-    fn small_findings_may_be_seen_only() {
-        let mut ruling = Ruling::naming(&[Kind::GravityLoad, Kind::Delay], [0.05, 9.0]);
-        assert!(ruling.without_small().is_none());
-        ruling.findings[1].small_share = Some(0.03);
-        ruling.seen = vec![Finding::of(Kind::Cogging)];
-        let less = ruling.without_small().unwrap();
-        let kinds = |own: &[Finding]| own.iter().map(|own| own.effect.kind).collect::<Vec<_>>();
-        assert_eq!(kinds(&less.findings), [Kind::GravityLoad]);
-        assert_eq!(kinds(&less.seen), [Kind::Cogging, Kind::Delay]);
-        assert_eq!(less.seen[1].small_share, Some(0.03));
-        let [more] = &ruling.with_each_seen()[..] else { panic!() };
-        assert_eq!(kinds(&more.findings), [Kind::GravityLoad, Kind::Delay, Kind::Cogging]);
-        assert!(more.seen.is_empty() && more.with_each_seen().is_empty());
-    }
-
-    /// A curve over velocity has a z of 5.8 in what a motor's base leaves (LAAS, five rows held).
-    #[test]
-    fn something_is_missing_where_a_term_is_significant() {
-        let of = |significance: f64| {
-            let mut ruling = Ruling::naming(&[], [0.02, 30.0]);
-            ruling.remainder.significance = significance;
-            ruling.tells_nothing_is_missing()
-        };
-        assert_eq!([of(3.9), of(5.8)], [true, false]);
-    }
-
-    /// The forces named a saturation of LAAS's motor, of which the motion knows nothing (steps 16 times as large). The names
-    /// go, and it is not said that nothing is missing.
-    #[test]
-    fn names_that_are_taken_back_are_still_significant() {
-        let [none, named] = [&[][..], &[Kind::Saturation]].map(|kinds| Ruling::naming(kinds, [0.03, 7.7]));
-        let said = [none, named].map(|ruling| ruling.naming_nothing().tells_nothing_is_missing());
-        assert_eq!(said, [true, false]);
-    }
-
-    /// Four seconds hold sixteen blocks. Where there are fewer, an effect that is there may have no z of a name.
-    #[test]
-    fn few_blocks_tell_of_nothing() {
-        let of = |blocks: usize| Ruling { blocks, ..Ruling::naming(&[], [0.05, 9.0]) };
-        assert_eq!([15, 16].map(|blocks| of(blocks).tells_nothing_is_missing()), [false, true]);
-        assert!(of(4).leaves_nothing());
-    }
-}
+mod tests;

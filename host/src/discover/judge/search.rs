@@ -12,11 +12,12 @@ use super::outcome::{Outcome, Round, decide, inconsistent_rival};
 use super::regression::rms;
 use super::review;
 use super::settings::Settings;
-use super::sides::{Fitted, Model, Weights};
+use super::sides::{Fitted, Model};
 use super::start::whole_waves;
 use super::term::{Name, Term};
 use super::tried::{Tried, best_of_each, rank};
 use super::weak_form::WeakForm;
+use super::weights::Weights;
 
 /// What speaks for a term of the final model.
 #[derive(Clone, Debug)]

@@ -4,10 +4,12 @@
 
 use std::borrow::Cow;
 
-use super::regression::{Design, Fit, rms};
+use super::arrival::arrive;
+use super::regression::{Design, Fit};
 use super::settings::Settings;
-use super::term::{Arrival, Column, Term};
+use super::term::{Column, Term};
 use super::weak_form::{Field, WeakForm};
+use super::weights::Weights;
 
 /// A model: the base and its terms.
 #[derive(Clone, Debug, Default)]
@@ -60,45 +62,6 @@ impl Fitted {
     pub fn coherence_error(&self) -> f64 {
         self.coherence().abs() * self.u.b_error.hypot(self.a.b_error)
     }
-}
-
-/// Weights of the windows on either side.
-#[derive(Clone, Debug)]
-pub struct Weights {
-    /// Of the drive's residual.
-    pub u: Vec<f64>,
-    /// Of the acceleration's.
-    pub a: Vec<f64>,
-}
-
-impl Weights {
-    /// Equal ones.
-    pub fn equal(form: &WeakForm<'_>) -> Self {
-        Self { u: vec![1.0; form.rows.len()], a: vec![1.0; form.rows.len()] }
-    }
-
-    /// The inverse rms residual in classes of the speed, each a factor of two wide. Jitter and ripple grow with speed.
-    pub fn of(form: &WeakForm<'_>, fitted: &Fitted) -> Self {
-        Self { u: by_speed(form, &fitted.u.residual), a: by_speed(form, &fitted.a.residual) }
-    }
-}
-
-/// Weights of the windows: the inverse rms residual in classes of the speed, each a factor of two wide.
-pub(super) fn by_speed(form: &WeakForm<'_>, residual: &[f64]) -> Vec<f64> {
-    let class = |v: f64| (v.abs() / form.v95).max(1e-6).log2().floor() as i32;
-    let overall = rms(residual).max(f64::MIN_POSITIVE);
-    let mut sums: std::collections::BTreeMap<i32, (f64, f64)> = std::collections::BTreeMap::new();
-    for (r, v) in residual.iter().zip(&form.row_v) {
-        let sum = sums.entry(class(*v)).or_default();
-        sum.0 += r * r;
-        sum.1 += 1.0;
-    }
-    let each = form.row_v.iter().map(|v| {
-        let (square, count) = sums[&class(*v)];
-        // The rms of a class with few windows is drawn to that of all.
-        1.0 / ((square + 20.0 * overall * overall * 1e-2) / (count + 0.2)).sqrt().max(1e-3 * overall)
-    });
-    each.collect()
 }
 
 impl Model {
@@ -305,39 +268,4 @@ fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -
             .collect()
     });
     each.collect()
-}
-
-/// The drive as it arrives, of an axis that moves with velocity `v` in `direction`.
-pub fn arrive(u: &[f64], (v, direction): (&[f64], &[f64]), h_s: f64, arrival: Arrival) -> Vec<f64> {
-    match arrival {
-        Arrival::Delay(delay_s) => {
-            let (whole, share) = {
-                let samples = delay_s / h_s;
-                (samples.floor() as i64, samples - samples.floor())
-            };
-            let last = u.len() as i64 - 1;
-            let at = |k: i64| u[k.clamp(0, last) as usize];
-            (0..u.len() as i64).map(|k| (1.0 - share) * at(k - whole) + share * at(k - whole - 1)).collect()
-        }
-        Arrival::Limit(limit) => u.iter().map(|u| u.clamp(-limit, limit)).collect(),
-        Arrival::DeadZone(d) => u.iter().map(|u| u - u.clamp(-d, d)).collect(),
-        Arrival::Load(k) => u.iter().zip(direction).map(|(u, s)| u - k * u.abs() * s).collect(),
-        Arrival::DeadTime([d, edge, emf]) => {
-            u.iter().zip(v).map(|(u, v)| u - d * ((u - emf * v) / edge).clamp(-1.0, 1.0)).collect()
-        }
-        Arrival::Lag(lag_s) => {
-            // A mean over an interval, held or not, passes a lag as a line from sample to sample.
-            let decay = (-h_s / lag_s).exp();
-            let ramp = 1.0 - lag_s / h_s * (1.0 - decay);
-            let mut state = u.first().copied().unwrap_or(0.0);
-            let mut previous = state;
-            u.iter()
-                .map(|u| {
-                    state = decay * state + (1.0 - decay) * previous + ramp * (u - previous);
-                    previous = *u;
-                    state
-                })
-                .collect()
-        }
-    }
 }

@@ -41,8 +41,9 @@ mod tests {
 
     use super::*;
     use crate::discover::data::FIT_SEGMENT_S;
-    use crate::discover::engine::{Request, prepared};
     use crate::discover::judge::bar::tests::Axis;
+    use crate::discover::prepared::prepared;
+    use crate::discover::request::Request;
 
     /// A dead time that begins as the dead zone has the dead zone's cost at first, and ends with no more. No parameters of
     /// a load make it a dead zone, and no model has two dead times.

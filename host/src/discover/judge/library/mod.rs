@@ -15,9 +15,10 @@ pub use bodies::MOST_DAMPING;
 pub use made::Made;
 
 use self::made::once;
-use super::sides::{Fitted, Model, Weights};
+use super::sides::{Fitted, Model};
 use super::term::{Name, Term};
 use super::weak_form::{Field, Sample, WeakForm, percentile};
+use super::weights::Weights;
 
 /// Strongest lines of a spectrum that are tried.
 const LINES: usize = 6;
