@@ -17,11 +17,8 @@ pub struct Repetition {
 /// a period is compared do not overlap.
 const LEAST_PERIOD: f64 = 8.0;
 
-/// What repeats of a residual, one value for each window; `None` where no drive repeats, or too fast for the windows.
-///
-/// The product of a residual with that of a period later has the mean square of what repeats as its mean: random force of one
-/// period knows nothing of the next (Pintelon and Schoukens 2012, *System Identification: A Frequency Domain Approach*, section
-/// 2.5). A force that drifts slowly is alike a quarter of a period earlier and later too, so their mean is subtracted.
+/// What repeats of a residual, one value for each window; `None` where no drive repeats, or too fast for the windows
+/// (docs/discovery.md, section 10).
 pub(super) fn repetition(form: &WeakForm<'_>, residual: &[f64]) -> Option<Repetition> {
     let mut blocks = vec![Block::default(); form.blocks];
     let (mut products, mut count) = (0.0, 0);
