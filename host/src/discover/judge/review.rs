@@ -22,8 +22,8 @@ pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) ->
     loop {
         stage = backward_elimination(stage, bearings)?;
         let left = stage.model.terms.len();
-        for j in 0..left {
-            stage = with_rivals(stage, j, &mut bearings[j])?;
+        for (j, bearing) in bearings.iter_mut().enumerate() {
+            stage = with_rivals(stage, j, bearing)?;
         }
         // A term may no longer gain beside the rival that took another's place.
         stage = backward_elimination(stage, bearings)?;
