@@ -111,8 +111,8 @@ impl Ruling {
     pub fn leaves_nothing(&self) -> bool {
         self.coherence >= COHERENT && self.leaves_little()
     }
-    /// Whether nothing is missing: nothing is left, none of it repeats with the drive, no term has the z of a name in it, and an
-    /// effect would have been seen.
+    /// Whether nothing is missing. Nothing is left, and an effect would have been seen. Nothing of it repeats with the drive, and
+    /// no term has the z of a name in it.
     /// What saves d ± d in a block has a z of √n over n blocks, and a name needs z ≥ 4. Over fewer blocks than 16 hardly
     /// any effect has it.
     pub fn tells_nothing_is_missing(&self) -> bool {
