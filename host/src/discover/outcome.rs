@@ -173,7 +173,8 @@ pub struct Force {
     pub random_share: f64,
     /// Highest frequency that those windows let pass, Hz.
     pub bandwidth_hz: f64,
-    /// What predicts a part of it on held-out data; `None` if nothing does, so that it is random.
+    /// What predicts a part of it on held-out data: an effect, another term, or the drive's period, with which it repeats.
+    /// `None` if nothing does, so that it is random.
     pub predictable: Option<&'static str>,
 }
 

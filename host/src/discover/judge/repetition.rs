@@ -40,11 +40,12 @@ pub(super) fn repetition(form: &WeakForm<'_>, residual: &[f64]) -> Option<Repeti
             (near(&at) * h_s < 0.5 * form.half_width_s).then(|| residual[first + at])
         };
         for (k, row) in own.iter().enumerate() {
-            let [Some(earlier), Some(same), Some(latter)] = [0.75, 1.0, 1.25].map(|periods| later(k, periods)) else {
+            let [Some(early), Some(same), Some(late)] = [0.75, 1.0, 1.25].map(|periods| later(k, periods)) else {
                 continue;
             };
             let r = residual[first + k];
-            let product = r * (same - 0.5 * (earlier + latter));
+            // The prediction by the other period saves the product, and acts where the residual is large.
+            let product = r * (same - 0.5 * (early + late));
             blocks[row.block].before += product;
             blocks[row.block].change += 0.5 * (r * r + same * same);
             products += product;
@@ -52,7 +53,7 @@ pub(super) fn repetition(form: &WeakForm<'_>, residual: &[f64]) -> Option<Repeti
         }
     }
     let share = (products / f64::from(count)).max(0.0).sqrt() / rms(&form.row_u);
-    share.is_finite().then(|| Repetition { share, z: z(&blocks) })
+    (count > 0 && share.is_finite()).then(|| Repetition { share, z: z(&blocks) })
 }
 
 #[cfg(test)]
@@ -68,11 +69,11 @@ mod tests {
     /// Period of the drive, s.
     const PERIOD_S: f64 = 1.6;
 
-    /// What is left of 16 s at 500 Hz of an axis under a force of time that no effect of the model has.
-    fn of(force: impl Fn(f64) -> f64) -> Repetition {
+    /// What is left of so many samples at 500 Hz of an axis under a force of time that no effect of the model has.
+    fn within(samples: u32, force: impl Fn(f64) -> f64) -> Option<Repetition> {
         let (mut x, mut v) = (0.0, 0.0_f64);
         let mut recording = Recording::default();
-        for k in 0..8000 {
+        for k in 0..samples {
             let t = 2e-3 * f64::from(k);
             let phase = std::f64::consts::TAU * t / PERIOD_S;
             let u = phase.cos() + 0.4 * (3.0 * phase).sin();
@@ -88,7 +89,18 @@ mod tests {
         let dataset = Dataset::new(&[recording], &settings);
         let form = WeakForm::new(&dataset, 0.04, &settings).unwrap();
         let stage = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
-        repetition(&form, &stage.fitted.u.residual).unwrap()
+        repetition(&form, &stage.fitted.u.residual)
+    }
+
+    /// The same of 16 s, which are ten periods.
+    fn of(force: impl Fn(f64) -> f64) -> Repetition {
+        within(8000, force).unwrap()
+    }
+
+    /// In 3.2 s there are two periods, so that it is not known whether the drive repeats.
+    #[test]
+    fn two_periods_tell_no_repetition() {
+        assert_eq!(within(1600, |_| 0.0), None);
     }
 
     /// The fifth harmonic of the drive's period, of .08. Its rms over the drive's, .08/√(1 + .4²), is .074; the windows let a
