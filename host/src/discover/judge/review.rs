@@ -19,15 +19,22 @@ const NEAR: f64 = 0.5;
 /// The stage with the terms that gain in the final model. `bearings` keeps one entry for each, with its ties.
 pub(super) fn reviewed<'a>(mut stage: Stage<'a>, bearings: &mut Vec<Bearing>) -> Option<Stage<'a>> {
     let found = stage.model.terms.len();
+    stage = backward_elimination(stage, bearings)?;
     loop {
-        stage = backward_elimination(stage, bearings)?;
-        let left = stage.model.terms.len();
+        let laws = |stage: &Stage<'_>| {
+            let terms = stage.model.terms.iter();
+            terms.map(|term| (term.name, term.own_zeros)).collect::<Vec<_>>()
+        };
+        let before = laws(&stage);
         for (j, bearing) in bearings.iter_mut().enumerate() {
             stage = with_rivals(stage, j, bearing)?;
         }
+        if laws(&stage) == before {
+            break;
+        }
         // A term may no longer gain beside the rival that took another's place.
         stage = backward_elimination(stage, bearings)?;
-        if stage.model.terms.len() == left {
+        if stage.model.terms.len() == before.len() {
             break;
         }
     }
@@ -177,14 +184,20 @@ mod tests {
         recording
     }
 
+    /// Windows in which an angle, rad, and ripples are told.
+    fn windows<'a>(dataset: &'a Dataset, settings: &Settings) -> WeakForm<'a> {
+        let mut form = WeakForm::new(dataset, 0.05, settings).unwrap();
+        (form.radians, form.ripples) = (Some(1.0), true);
+        form
+    }
+
     /// The pendulum, fitted with a ripple of one wave in a radian. The gravity load is the same law with its wave number
     /// given, so it is named, and the ripple is tied with it.
     #[test]
     fn of_a_law_and_its_special_case_the_special_case_is_named() {
         let settings = Settings::default();
         let dataset = Dataset::new(&[pendulum()], &settings);
-        let mut form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
-        (form.radians, form.ripples) = (Some(1.0), true);
+        let form = windows(&dataset, &settings);
         let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
         let library = base.library();
         let ripples = library.of_effects(|kind| kind == Kind::Cogging);
@@ -225,8 +238,7 @@ mod tests {
     fn the_term_that_gains_least_is_dropped() {
         let settings = Settings::default();
         let dataset = Dataset::new(&[pendulum()], &settings);
-        let mut form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
-        (form.radians, form.ripples) = (Some(1.0), true);
+        let form = windows(&dataset, &settings);
         let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
         let library = base.library();
         let of = |kind: Kind| library.of_effects(|own| own == kind).swap_remove(0);
@@ -271,8 +283,7 @@ mod tests {
     fn evidence_is_beside_what_stays() {
         let settings = Settings::default();
         let dataset = Dataset::new(&[pendulum()], &settings);
-        let mut form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
-        (form.radians, form.ripples) = (Some(1.0), true);
+        let form = windows(&dataset, &settings);
         let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
         let of = |kind: Kind| base.library().of_effects(|own| own == kind).swap_remove(0);
         let (load, gravity) = (of(Kind::ConstantLoad), of(Kind::GravityLoad));
