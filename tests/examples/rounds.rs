@@ -1,8 +1,10 @@
-//! What the judge weighed, round by round: `cargo run -p breakaway-tests --example rounds -- --machines cicese --splits all`.
+//! What the judge weighed, round by round: `cargo run -p breakaway-tests --example rounds -- --machines cicese --splits all`,
+//! or with `--files` and the files of a session.
 //!
 //! Each line is a term or a pair. It has the gains on side U and side A, over all rows and where the term acts. Then come
 //! z, the disagreement of the sides, ρ², the parameters, and why it is no name.
 
+use std::path::PathBuf;
 use std::slice;
 
 use breakaway::discover::judge::dataset::Dataset;
@@ -14,6 +16,7 @@ use breakaway::discover::judge::tried::Tried;
 use breakaway::discover::judge::weak_form::WeakForm;
 use breakaway::discover::request::Request;
 use breakaway::discover::ruled::{radians, ruled};
+use breakaway::recording::{ReadOptions, Recording};
 use breakaway_hidden::Role;
 use breakaway_tests::blind::recordings;
 use breakaway_tests::machines::catalogue::MACHINES;
@@ -31,6 +34,9 @@ struct Asked {
     /// Splits, by their names; `all` where none is given
     #[arg(long, value_delimiter = ',', default_value = "all")]
     splits: Vec<String>,
+    /// Recordings of a session, in the order in which they were made
+    #[arg(long, num_args = 1..)]
+    files: Vec<PathBuf>,
     /// Each recording of the splits alone
     #[arg(long)]
     each: bool,
@@ -80,9 +86,14 @@ fn in_words(ruling: &Ruling) -> String {
     named.chain(seen).collect::<Vec<_>>().join(", ")
 }
 
-/// Requests by their names: of real machines, and of sessions of the unkind world.
+/// Requests by their names: of files, of real machines, and of sessions of the unkind world.
 fn requests(asked: &Asked) -> Vec<(String, Request)> {
     let mut all = Vec::new();
+    if !asked.files.is_empty() {
+        let read = |path: &PathBuf| Recording::read(path, &ReadOptions::default());
+        let recordings: Result<Vec<_>, _> = asked.files.iter().map(read).collect();
+        all.push(("files".to_owned(), request(&recordings.unwrap_or_else(|error| panic!("{error}")))));
+    }
     let machines = MACHINES.into_iter().filter(|own| asked.machines.iter().any(|name| own.name.starts_with(name)));
     for machine in machines {
         let Some(sources) = measured_data().and_then(|data| reading::read(machine, &data).ok()) else { continue };

@@ -69,8 +69,8 @@ pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome
         let decoy = matches!(other.terms[0].name, Name::Decoy(_));
         let damped = decoy && has_body(simple) && has_body(other);
         let factor = match other.terms[0].name {
-            // The best damping of a second body decides whether it is a coupling.
-            Name::Decoy(_) if damped => 1.0,
+            // What gains with much damping too does not ring.
+            Name::Decoy(_) if damped => settings.over_damped,
             Name::Decoy(_) => settings.decoy,
             Name::Effect(_) if other.rejection().is_some() => settings.rival,
             Name::Effect(_) => continue,

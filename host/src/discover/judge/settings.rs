@@ -43,6 +43,8 @@ pub struct Settings {
     pub rival: f64,
     /// The same share for a decoy.
     pub decoy: f64,
+    /// Multiple of a damped mode's gain that a coupling must reach. A body that rings loses its gain where it is damped.
+    pub over_damped: f64,
     /// Share of the drive, predicted without a name, from which something is missing. A drive is known to about 2 %: a
     /// supply that is off by so much predicts as much.
     pub predictable: f64,
@@ -83,6 +85,7 @@ impl Default for Settings {
             tie_z: 2.0,
             rival: 0.85,
             decoy: 0.75,
+            over_damped: 2.0,
             predictable: 0.02,
             most_names: 4,
         }
