@@ -194,20 +194,34 @@ mod tests {
         assert_eq!([ties(2.4), ties(4.1)], [1, 0]);
     }
 
+    /// A second body that gains so much, under this name.
+    fn body(name: Name, gain: f64, rejection: Option<Rejection>) -> Tried {
+        let mut own = holding(Kind::FlexibleCoupling, 3, gain, &[1.0, 1.1, 0.9, 1.0]);
+        (own.terms[0].name, own.terms[0].body, own.evidence[0].rejection) = (name, Some([281.0, 0.3]), rejection);
+        own
+    }
+
     /// A coupling beside a mode with more damping, which gains more. That the mode leaves no positive friction does not make
     /// the coupling one (LAAS, at constant speed). A mode beside which the inertia is not positive says nothing.
     #[test]
     fn more_damping_speaks_against_a_coupling() {
-        let body = |name: Name, gain: f64, rejection: Option<Rejection>| {
-            let mut own = holding(Kind::FlexibleCoupling, 3, gain, &[1.0, 1.1, 0.9, 1.0]);
-            (own.terms[0].name, own.terms[0].body, own.evidence[0].rejection) = (name, Some([281.0, 0.3]), rejection);
-            own
-        };
         let outcome = |rejection: Rejection| {
             let coupling = body(Name::Effect(Kind::FlexibleCoupling), 0.096, None);
             decide(&[coupling, body(Name::Decoy("damped mode"), 0.25, Some(rejection))], 0.2, &Settings::default())
         };
         assert_eq!(outcome(Rejection::Base), Outcome::Unknown(Name::Decoy("damped mode")));
         assert_eq!(outcome(Rejection::Inertia), Outcome::Named(vec![Name::Effect(Kind::FlexibleCoupling)], Vec::new()));
+    }
+
+    /// A coupling of flexlink's belt gains .70 nats, and a damped mode .05 at most. A friction that follows the drive at
+    /// reversals gains .30 and .28: it does not ring, and is no coupling. What is left predicts less than 2 % of the drive.
+    #[test]
+    fn a_coupling_rings() {
+        let outcome = |coupling: f64, damped: f64| {
+            let coupling = body(Name::Effect(Kind::FlexibleCoupling), coupling, None);
+            decide(&[coupling, body(Name::Decoy("damped mode"), damped, None)], 0.02, &Settings::default())
+        };
+        assert_eq!(outcome(0.70, 0.05), Outcome::Named(vec![Name::Effect(Kind::FlexibleCoupling)], Vec::new()));
+        assert_eq!(outcome(0.30, 0.28), Outcome::Nothing);
     }
 }
