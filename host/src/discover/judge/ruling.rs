@@ -279,10 +279,9 @@ fn with_observed_direction<'a>(
 }
 
 /// The windows whose names are the most evident, of those that name something: their likelihood ratio is the greatest.
-/// What they see beside the names and cannot name counts too. Other windows may see less, and call a part of it something else.
 /// A slow effect is evident in wide windows, because the sensor's noise is small in them. A fast one is so in narrow ones.
 fn most_evident(judged: &[(WeakForm<'_>, Judged)]) -> Option<usize> {
-    let evidence = |(form, own): &(WeakForm<'_>, Judged)| form.rows.len() as f64 * (own.gain() + own.unnamed_gain());
+    let evidence = |(form, own): &(WeakForm<'_>, Judged)| form.rows.len() as f64 * own.gain();
     let named = judged.iter().enumerate().filter(|(_, (_, own))| !own.model.terms.is_empty());
     named.max_by(|(_, a), (_, b)| evidence(a).total_cmp(&evidence(b))).map(|(i, _)| i)
 }

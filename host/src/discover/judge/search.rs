@@ -51,12 +51,6 @@ impl Judged {
         let [before, after] = self.residual;
         (0..2).map(|side| (before[side] / after[side]).ln()).fold(f64::INFINITY, f64::min)
     }
-    /// Gain of what the last round saw beside the names and could not name, nats a window.
-    pub fn unnamed_gain(&self) -> f64 {
-        let Some(last) = self.rounds.last() else { return 0.0 };
-        let Outcome::Unknown(name) = last.outcome else { return 0.0 };
-        last.tried.iter().find(|tried| tried.names() == [name]).map_or(0.0, |tried| tried.gain)
-    }
     /// Inertia of the motor and of a second body that hangs on it, drive units · s² / position unit.
     pub fn inertia(&self) -> f64 {
         let terms = self.model.terms.iter().zip(&self.fitted.u.amplitudes);
