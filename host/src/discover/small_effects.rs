@@ -15,7 +15,7 @@ use super::outcome::{Discovery, Verdict};
 use super::prepared::{Prepared, prepared};
 use super::progress::{Progress, Watch};
 use super::request::{DiscoverError, Request};
-use super::search::Search;
+use super::search::{Beginning, Search};
 use crate::fit::Candidate;
 use crate::recording::{Recording, Units, share_a_clock};
 
@@ -83,7 +83,7 @@ fn within(
         prepared(request, segment_s, None, progress).or_else(|_| prepared(request, segment_s, ruling, progress))?;
     start.data.work = work.clone();
     let names = judged.filter(|(ruling, _)| !ruling.findings.is_empty());
-    let first = names.map(|(ruling, fitted)| model_of(&start, ruling, fitted));
+    let first = names.map(|(ruling, fitted)| beginning(&start, ruling, fitted));
     let mut ended = Search::new(&start.data, units, start.base.clone(), kinds).run(first.as_ref(), progress);
     if let Some(ruling) = ruling.filter(|_| ended.first_round.is_empty()) {
         ended.first_round = candidate_rows::rows(ruling, &ended.named);
@@ -92,8 +92,8 @@ fn within(
 }
 
 /// The base with the judge's names; what the judge held stays held. The values are those `fitted` to the simulated
-/// motion, where it has the same effects; else the judge's.
-fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Model {
+/// motion, where it has the same effects, which it then bears out; else the judge's.
+fn beginning(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Beginning {
     let mut model = Model::of(&start.base);
     let known = model.effects.len();
     for finding in &ruling.findings {
@@ -107,9 +107,12 @@ fn model_of(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> Mo
     match fitted.filter(|fitted| kinds(&fitted.effects) == kinds(&model.effects)) {
         Some(fitted) => {
             model.effects[known..].copy_from_slice(&fitted.effects[known..]);
-            model.on(fitted.base)
+            Beginning { model: model.on(fitted.base), borne_out: true }
         }
-        None => model.on(ruling.simulable_base().unwrap_or(start.base.candidate.base)),
+        None => {
+            let base = ruling.simulable_base().unwrap_or(start.base.candidate.base);
+            Beginning { model: model.on(base), borne_out: false }
+        }
     }
 }
 

@@ -27,6 +27,8 @@ pub enum Rejection {
     Amplitude,
     /// A mean and a direction alone predict the drive as well.
     Floor,
+    /// Its body explains no more than one with much damping: it does not ring.
+    Overdamped,
 }
 
 /// What speaks for a term beside a model.

@@ -3,6 +3,7 @@
 mod arrival;
 mod attenuation;
 pub(in crate::discover) mod bar;
+mod body_filter;
 mod break_away;
 pub mod compliance;
 mod coordinate_search;
@@ -24,6 +25,7 @@ pub mod regression;
 pub mod remainder;
 pub mod repetition;
 mod review;
+mod ringing;
 pub mod ruling;
 pub mod search;
 pub mod settings;

@@ -34,12 +34,10 @@ const PREDICTS: f64 = 0.05;
 /// Whether an effect or a decoy that does not hold gains more than every one that does.
 pub(super) fn inconsistent_rival(tried: &[Tried], settings: &Settings) -> bool {
     let holds = tried.iter().filter(|t| t.rejection().is_none()).map(|t| t.gain).fold(0.0, f64::max);
-    let possible = tried.iter().filter(|t| !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base)));
+    let possible = tried.iter().filter(|t| {
+        !matches!(t.rejection(), None | Some(Rejection::Inertia | Rejection::Base | Rejection::Overdamped))
+    });
     possible.map(|t| t.gain).any(|gain| gain * settings.rival > holds)
-}
-
-fn has_body(tried: &Tried) -> bool {
-    tried.terms.iter().any(|term| term.body.is_some())
 }
 
 /// The outcome of a round beside a model that leaves the share `left` of the drive.
@@ -66,23 +64,14 @@ pub(super) fn decide(tried: &[Tried], left: f64, settings: &Settings) -> Outcome
     let as_well = |t: &Tried| t.gain > settings.tie * best.gain && best.better_than(t) < settings.tie_z;
     let simple = holding.iter().filter(|t| nearly(t) || as_well(t)).min_by_key(|t| t.size()).unwrap_or(best);
     for other in tried.iter().filter(|t| t.terms.len() == 1) {
-        let decoy = matches!(other.terms[0].name, Name::Decoy(_));
-        let damped = decoy && has_body(simple) && has_body(other);
         let factor = match other.terms[0].name {
-            // What gains with much damping too does not ring.
-            Name::Decoy(_) if damped => settings.over_damped,
             Name::Decoy(_) => settings.decoy,
             Name::Effect(_) if other.rejection().is_some() => settings.rival,
             Name::Effect(_) => continue,
         };
         // A term that is inconsistent alone speaks for the pair in which it is named.
         let part = simple.terms.len() > 1 && simple.terms.iter().any(|t| t.name == other.terms[0].name);
-        let possible = match other.rejection() {
-            Some(Rejection::Inertia) => false,
-            // More damping takes a part of c and f1, which little damping leaves there.
-            Some(Rejection::Base) => damped,
-            _ => true,
-        };
+        let possible = !matches!(other.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Overdamped));
         if possible && other.gain * factor > best.gain && other.evidence[0].z() >= bar_z(other) && !part {
             let material = predicted(other.gain) > settings.predictable;
             return if material { Outcome::Unknown(other.terms[0].name) } else { Outcome::Nothing };
@@ -124,7 +113,10 @@ pub(super) fn tied<'a>(
     let gain = move |t: &Tried| if of_u { t.evidence.iter().map(|own| own.u.flat).sum() } else { t.gain };
     tried.iter().filter(move |t| {
         let effects = t.terms.iter().all(|t| matches!(t.name, Name::Effect(_)));
-        let near = !matches!(t.rejection(), Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude));
+        let near = !matches!(
+            t.rejection(),
+            Some(Rejection::Inertia | Rejection::Base | Rejection::Amplitude | Rejection::Overdamped)
+        );
         let as_well = gain(t) > settings.tie * gain(own) && own.better_than(t) < settings.tie_z;
         let as_small = t.size() - t.counted_waves <= own.size();
         effects && near && t.terms.len() == own.terms.len() && as_well && (as_small || resembles(t))
@@ -135,6 +127,7 @@ pub(super) fn tied<'a>(
 mod tests {
     use super::super::evidence::Evidence;
     use super::super::gain::Gain;
+    use super::super::ringing::{damped_gain, reject_overdamped};
     use super::super::term::Term;
     use super::*;
 
@@ -201,27 +194,45 @@ mod tests {
         own
     }
 
+    /// The outcome of what was tried alone, beside a model that leaves the share `left` of the drive.
+    fn round(mut tried: Vec<Tried>, left: f64) -> Outcome {
+        let settings = Settings::default();
+        let damped = damped_gain(&tried, &settings);
+        reject_overdamped(&mut tried, damped, &settings);
+        decide(&tried, left, &settings)
+    }
+
+    const COUPLING: Name = Name::Effect(Kind::FlexibleCoupling);
+    const DAMPED: Name = Name::Decoy("damped mode");
+
     /// A coupling beside a mode with more damping, which gains more. That the mode leaves no positive friction does not make
     /// the coupling one (LAAS, at constant speed). A mode beside which the inertia is not positive says nothing.
     #[test]
     fn more_damping_speaks_against_a_coupling() {
-        let outcome = |rejection: Rejection| {
-            let coupling = body(Name::Effect(Kind::FlexibleCoupling), 0.096, None);
-            decide(&[coupling, body(Name::Decoy("damped mode"), 0.25, Some(rejection))], 0.2, &Settings::default())
-        };
-        assert_eq!(outcome(Rejection::Base), Outcome::Unknown(Name::Decoy("damped mode")));
-        assert_eq!(outcome(Rejection::Inertia), Outcome::Named(vec![Name::Effect(Kind::FlexibleCoupling)], Vec::new()));
+        let outcome =
+            |rejection: Rejection| round(vec![body(COUPLING, 0.096, None), body(DAMPED, 0.25, Some(rejection))], 0.2);
+        assert_eq!(outcome(Rejection::Base), Outcome::Unknown(DAMPED));
+        assert_eq!(outcome(Rejection::Inertia), Outcome::Named(vec![COUPLING], Vec::new()));
     }
 
     /// A coupling of flexlink's belt gains .70 nats, and a damped mode .05 at most. A friction that follows the drive at
     /// reversals gains .30 and .28: it does not ring, and is no coupling. What is left predicts less than 2 % of the drive.
     #[test]
     fn a_coupling_rings() {
-        let outcome = |coupling: f64, damped: f64| {
-            let coupling = body(Name::Effect(Kind::FlexibleCoupling), coupling, None);
-            decide(&[coupling, body(Name::Decoy("damped mode"), damped, None)], 0.02, &Settings::default())
-        };
-        assert_eq!(outcome(0.70, 0.05), Outcome::Named(vec![Name::Effect(Kind::FlexibleCoupling)], Vec::new()));
+        let outcome =
+            |coupling: f64, damped: f64| round(vec![body(COUPLING, coupling, None), body(DAMPED, damped, None)], 0.02);
+        assert_eq!(outcome(0.70, 0.05), Outcome::Named(vec![COUPLING], Vec::new()));
         assert_eq!(outcome(0.30, 0.28), Outcome::Nothing);
+    }
+
+    /// Where a coupling does not ring, the best of the other effects is named. It must gain more than the damped mode.
+    #[test]
+    fn a_coupling_that_does_not_ring_gives_way() {
+        let outcome = |drag: f64| {
+            let drag = holding(Kind::QuadraticDrag, 1, drag, &[1.0, 1.1, 0.9, 1.0]);
+            round(vec![body(COUPLING, 0.30, None), drag, body(DAMPED, 0.20, None)], 0.2)
+        };
+        assert_eq!(outcome(0.25), Outcome::Named(vec![Name::Effect(Kind::QuadraticDrag)], Vec::new()));
+        assert_eq!(outcome(0.15), Outcome::Unknown(DAMPED));
     }
 }

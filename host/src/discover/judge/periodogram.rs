@@ -2,6 +2,7 @@
 //! a ripple it passes.
 
 use rayon::prelude::*;
+use wide::f32x4;
 
 use super::attenuation::{attenuation, audible};
 
@@ -40,7 +41,7 @@ const ONE_SHARE: usize = 4;
 const TABLE: usize = 4096;
 const TABLE_TURN: f64 = 12.0;
 /// Sums that run side by side, because a processor adds them at once.
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 /// Sum of squares that a sine and a cosine explain at every line. The waves are turned on from line to line, which saves
 /// their sines. Single precision tells which lines are the strongest; [`Near`] gives their places.
@@ -109,7 +110,7 @@ impl Group {
                 let middle = lines.at(i) + 0.5 * (ONE_SHARE - 1) as f64 * lines.spacing;
                 let entries = middle * (TABLE as f64 / TABLE_TURN);
                 for ((left, turn), weight) in left.iter_mut().zip(&self.turn).zip(&self.weight) {
-                    *left = weight * table[((entries * turn) as usize).min(TABLE)];
+                    *left = weight * table[((entries * turn) as u32 as usize).min(TABLE)];
                 }
             }
             let n = showing(lines.at(i)).next_multiple_of(LANES);
@@ -127,26 +128,23 @@ fn sums_and_turn(
     left: &[f32],
     residual: &[f32],
 ) -> [f64; 5] {
-    let mut sums = [[0.0_f32; LANES]; 5];
+    let mut sums = [f32x4::ZERO; 5];
     let waves = sin.as_chunks_mut::<LANES>().0.iter_mut().zip(cos.as_chunks_mut::<LANES>().0);
     let turns = turn_sin.as_chunks::<LANES>().0.iter().zip(turn_cos.as_chunks::<LANES>().0);
     let points = left.as_chunks::<LANES>().0.iter().zip(residual.as_chunks::<LANES>().0);
     for (((sin, cos), (turn_sin, turn_cos)), (left, residual)) in waves.zip(turns).zip(points) {
-        // Copies, so that the compiler sees that nothing overlaps.
-        let (sine, cosine) = (*sin, *cos);
-        let passed = |wave: [f32; LANES]| -> [f32; LANES] { std::array::from_fn(|i| left[i] * wave[i]) };
-        let (s, c) = (passed(sine), passed(cosine));
-        for i in 0..LANES {
-            sums[0][i] += s[i] * residual[i];
-            sums[1][i] += c[i] * residual[i];
-            sums[2][i] += s[i] * s[i];
-            sums[3][i] += c[i] * c[i];
-            sums[4][i] += s[i] * c[i];
-        }
-        *sin = std::array::from_fn(|i| sine[i] * turn_cos[i] + cosine[i] * turn_sin[i]);
-        *cos = std::array::from_fn(|i| cosine[i] * turn_cos[i] - sine[i] * turn_sin[i]);
+        let [sine, cosine, turn_sin, turn_cos, left, residual] =
+            [*sin, *cos, *turn_sin, *turn_cos, *left, *residual].map(f32x4::from);
+        let (s, c) = (left * sine, left * cosine);
+        sums[0] += s * residual;
+        sums[1] += c * residual;
+        sums[2] += s * s;
+        sums[3] += c * c;
+        sums[4] += s * c;
+        *sin = (sine * turn_cos + cosine * turn_sin).to_array();
+        *cos = (cosine * turn_cos - sine * turn_sin).to_array();
     }
-    sums.map(|lanes| lanes.into_iter().map(f64::from).sum())
+    sums.map(|lanes| lanes.to_array().into_iter().map(f64::from).sum())
 }
 
 /// Sum of squares that a sine and a cosine explain; 0 where the windows do not tell them apart.

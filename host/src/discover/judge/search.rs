@@ -11,6 +11,7 @@ use super::one_wave::{as_one_wave, is_open, one_wave};
 use super::outcome::{Outcome, Round, decide, inconsistent_rival};
 use super::regression::rms;
 use super::review;
+use super::ringing::{damped_gain, reject_overdamped};
 use super::settings::Settings;
 use super::sides::{Fitted, Model};
 use super::start::whole_waves;
@@ -223,6 +224,8 @@ impl<'a> Stage<'a> {
         let decoys = bar::decoys(&all, self.settings);
         self.reject_small_gains(&mut all, &bar, &decoys);
         let mut best = self.with_contenders_tuned(&library, best_of_each(all, self.settings));
+        let damped = damped_gain(&best, self.settings);
+        reject_overdamped(&mut best, damped, self.settings);
         best.sort_by(|x, y| rank(y).total_cmp(&rank(x)));
         (best, bar)
     }
@@ -251,7 +254,9 @@ impl<'a> Stage<'a> {
             all.extend(weighed.collect::<Vec<_>>());
         }
         self.reject_small_gains(&mut all, bar, &bar::decoys(singles, self.settings));
-        best_of_each(all, self.settings)
+        let mut best = best_of_each(all, self.settings);
+        reject_overdamped(&mut best, damped_gain(singles, self.settings), self.settings);
+        best
     }
 
     fn round(&self) -> Round {

@@ -5,6 +5,7 @@
 use std::borrow::Cow;
 
 use super::arrival::arrive;
+use super::body_filter;
 use super::regression::{Design, Fit};
 use super::settings::Settings;
 use super::term::{Column, Term};
@@ -123,7 +124,7 @@ impl Model {
         let mut columns: Vec<Cow<'_, [f64]>> =
             vec![form.row_a[..].into(), form.row_v[..].into(), form.row_direction[..].into()];
         let replaced = self.replaced().then(|| columns.remove(2));
-        columns.extend(self.terms.iter().flat_map(|term| &term.u).map(|column| rows(form, column, None)));
+        columns.extend(self.terms.iter().flat_map(|term| &term.u).map(|column| rows(form, column).into()));
         let design = Design { target: row_u, columns };
         let fit = design.fit(form, weights, settings.folds)?;
         let b = fit.coefficients[0];
@@ -142,17 +143,24 @@ impl Model {
             let [omega, zeta] = term.body?;
             Some([omega, zeta, amplitudes.first()? / u.b])
         });
+        let terms = self.terms.iter().filter(|term| term.body.is_none());
+        let own: Vec<&Column> = terms.flat_map(|term| if term.a.is_empty() { &term.u } else { &term.a }).collect();
         let mut columns: Vec<Cow<'_, [f64]>> = if let Some(body) = body {
-            let moved = |field: &Field| Cow::Owned(form.means(&through(form, field, body)));
-            [&self.arrived(form), &form.v, &form.direction].map(moved).into()
+            let arrived = self.arrived(form);
+            let forces = own.iter().filter_map(|column| column.sampled_force());
+            let fields: Vec<&Field> = [&arrived, &form.v, &form.direction].into_iter().chain(forces).collect();
+            let mut passed = body_filter::passed(form, &fields, body).into_iter();
+            let base: Vec<Vec<f64>> = passed.by_ref().take(3).collect();
+            let own = own.into_iter().map(|column| match column.sampled_force() {
+                Some(_) => passed.next().unwrap_or_default().into(),
+                None => rows(form, column).into(),
+            });
+            base.into_iter().map(Cow::Owned).chain(own).collect()
         } else {
-            vec![row_u, form.row_v[..].into(), form.row_direction[..].into()]
+            let base = [row_u, form.row_v[..].into(), form.row_direction[..].into()];
+            base.into_iter().chain(own.into_iter().map(|column| rows(form, column).into())).collect()
         };
         let replaced = self.replaced().then(|| columns.remove(2));
-        for term in self.terms.iter().filter(|term| term.body.is_none()) {
-            let own = if term.a.is_empty() { &term.u } else { &term.a };
-            columns.extend(own.iter().map(|column| rows(form, column, body)));
-        }
         let design = Design { target: &form.row_a, columns };
         let fit = design.fit(form, weights, settings.folds)?;
         let b = 1.0 / fit.coefficients[0];
@@ -229,43 +237,11 @@ impl Model {
     }
 }
 
-/// A column in every window. On side A of a model with a second body, it is what that body lets through.
-pub fn rows<'a>(form: &WeakForm<'_>, column: &'a Column, body: Option<[f64; 3]>) -> Cow<'a, [f64]> {
-    match (column, body) {
-        (Column::Force(own), None) => own.windows.get_or_init(|| form.means(&own.field))[..].into(),
-        (Column::Force(own), Some(body)) => form.means(&through(form, &own.field, body)).into(),
-        (Column::Displacement(own), _) => own.windows.get_or_init(|| form.second_derivatives(&own.field))[..].into(),
-        (Column::Windows(values), _) => values[..].into(),
+/// A column in every window.
+pub fn rows<'a>(form: &WeakForm<'_>, column: &'a Column) -> &'a [f64] {
+    match column {
+        Column::Force(own) => own.windows.get_or_init(|| form.means(&own.field)),
+        Column::Displacement(own) => own.windows.get_or_init(|| form.second_derivatives(&own.field)),
+        Column::Windows(values) => values,
     }
-}
-
-/// A force on the motor beside a second body. The filter is (s² + 2ζωs + ω²)/(s² + (1 + r)(2ζωs + ω²)), by the bilinear
-/// transform.
-fn through(form: &WeakForm<'_>, field: &Field, [omega, zeta, ratio]: [f64; 3]) -> Field {
-    let each = field.iter().zip(&form.dataset.pieces).map(|(g, piece)| {
-        let k = 2.0 / piece.h_s;
-        let (damping, stiffness) = (2.0 * zeta * omega, omega * omega);
-        let part = |scale: f64| {
-            [
-                k * k + scale * (damping * k + stiffness),
-                2.0 * (scale * stiffness - k * k),
-                k * k + scale * (stiffness - damping * k),
-            ]
-        };
-        let (above, below) = (part(1.0), part(1.0 + ratio.max(0.0)));
-        // A division in each step would take half of the time.
-        let [above, below] = [above, below].map(|own| own.map(|c| c / below[0]));
-        // It starts at rest under the first force.
-        let first = g.first().copied().unwrap_or(0.0);
-        let still = first / (1.0 + ratio.max(0.0));
-        let (mut x1, mut x2, mut y1, mut y2) = (first, first, still, still);
-        g.iter()
-            .map(|x| {
-                let y = above[0] * x + above[1] * x1 + above[2] * x2 - below[1] * y1 - below[2] * y2;
-                (x2, x1, y2, y1) = (x1, *x, y1, y);
-                y
-            })
-            .collect()
-    });
-    each.collect()
 }

@@ -54,6 +54,10 @@ impl Column {
     pub fn displacement(field: Field) -> Self {
         Self::Displacement(Arc::new(Sampled { field, windows: OnceLock::new() }))
     }
+    /// The force at every sample; `None` for any other column.
+    pub fn sampled_force(&self) -> Option<&Field> {
+        if let Self::Force(own) = self { Some(&own.field) } else { None }
+    }
     /// The quantity at every sample; `None` where it is known in windows alone.
     pub fn field(&self) -> Option<&Field> {
         match self {

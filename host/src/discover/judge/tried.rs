@@ -24,6 +24,10 @@ impl Tried {
     pub fn rejection(&self) -> Option<Rejection> {
         self.evidence.iter().find_map(|e| e.rejection)
     }
+    /// Whether a term is a second body.
+    pub(super) fn has_body(&self) -> bool {
+        self.terms.iter().any(|term| term.body.is_some())
+    }
     /// Amplitudes and parameters.
     pub(super) fn size(&self) -> usize {
         self.terms.iter().map(|t| t.size).sum()

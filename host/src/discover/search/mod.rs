@@ -51,6 +51,13 @@ const LAST_WORK: u64 = 2;
 /// Iterations of the model that a search starts from.
 const ITERATIONS: usize = 20;
 
+/// A model to begin with.
+pub(super) struct Beginning {
+    pub model: Model,
+    /// Whether the simulated motion bears out its effects. Otherwise models are grown from the base too.
+    pub borne_out: bool,
+}
+
 /// The data and the state of a search.
 pub(super) struct Search<'a> {
     data: &'a Data,
@@ -91,16 +98,18 @@ impl<'a> Search<'a> {
         tells(kind) && !self.kinds.contains(&kind)
     }
 
-    /// Searches, and names a model. `start` is a model to begin with, beside the base.
-    pub(super) fn run(mut self, start: Option<&Model>, progress: Watch<'_>) -> Ended {
-        let added = start.map_or(&[][..], |model| &model.effects[self.known..]);
+    /// Searches, and names a model. Models are grown from `start`; and from the base, where there is no start, or where its
+    /// effects are in doubt.
+    pub(super) fn run(mut self, start: Option<&Beginning>, progress: Watch<'_>) -> Ended {
+        let added = start.map_or(&[][..], |start| &start.model.effects[self.known..]);
         let decided = added.iter().any(|effect| self.is_decided(effect.kind));
-        let begun = start.and_then(|model| self.begun(model, progress));
+        let begun = start.and_then(|start| self.begun(&start.model, progress));
         // Beside an effect that is still missing, the motion may not gain by what the forces have decided.
         let begun = begun.filter(|node| decided || node.gap.below(&self.base.gap));
         let mut beam: Vec<Node> = begun.into_iter().collect();
         let mut visited = beam.clone();
-        if !decided && !beam.iter().any(|node| node.explained(&self.base.gap)) {
+        let enough = |node: &Node| start.is_some_and(|start| start.borne_out) || node.explained(&self.base.gap);
+        if !decided && !beam.iter().any(enough) {
             beam.push(self.base.clone());
         }
         for _ in 0..MAX_ADDED {

@@ -30,7 +30,7 @@ impl Library<'_> {
         if self.drive_varies() {
             terms.push(self.gain_over_position());
         }
-        terms.retain(|t| t.u.iter().all(|c| rows(self.form, c, None).iter().any(|v| *v != 0.0)));
+        terms.retain(|t| t.u.iter().all(|c| rows(self.form, c).iter().any(|v| *v != 0.0)));
         terms
     }
 
