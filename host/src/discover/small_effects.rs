@@ -104,16 +104,15 @@ fn beginning(start: &Prepared, ruling: &Ruling, fitted: Option<&Candidate>) -> B
         }
     }
     let kinds = |effects: &[Effect<f64>]| effects.iter().map(|effect| effect.kind).collect::<Vec<_>>();
-    match fitted.filter(|fitted| kinds(&fitted.effects) == kinds(&model.effects)) {
-        Some(fitted) => {
+    let borne_out = fitted.filter(|fitted| kinds(&fitted.effects) == kinds(&model.effects));
+    let base = borne_out.map_or_else(
+        || ruling.simulable_base().unwrap_or(start.base.candidate.base),
+        |fitted| {
             model.effects[known..].copy_from_slice(&fitted.effects[known..]);
-            Beginning { model: model.on(fitted.base), borne_out: true }
-        }
-        None => {
-            let base = ruling.simulable_base().unwrap_or(start.base.candidate.base);
-            Beginning { model: model.on(base), borne_out: false }
-        }
-    }
+            fitted.base
+        },
+    );
+    Beginning { model: model.on(base), borne_out: borne_out.is_some() }
 }
 
 #[cfg(test)]
