@@ -35,8 +35,8 @@ impl Filter {
         Self { input: above, output: [below[1], below[2]], still: 1.0 / both }
     }
 
-    /// The filtered signals. Each starts at rest under its first sample, and a shorter one goes on with zeros: an effect of
-    /// one recording has no samples in the others.
+    /// The filtered signals. Each starts at rest under its first sample. A shorter one goes on with zeros, because an effect
+    /// of one recording has no samples in the others.
     fn run(&self, signals: [&[f64]; TOGETHER]) -> [Vec<f64>; TOGETHER] {
         let n = signals.iter().map(|signal| signal.len()).max().unwrap_or(0);
         let mut filtered = [(); TOGETHER].map(|()| Vec::with_capacity(n));
