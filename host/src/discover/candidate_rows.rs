@@ -52,6 +52,6 @@ const fn rejected(rejection: Rejection) -> &'static str {
         Rejection::Disagreement(_) => "the drive and the acceleration give different forces for it",
         Rejection::Amplitude => "its amplitude has the wrong sign",
         Rejection::Floor => "a constant and the direction predict the drive as well",
-        Rejection::Overdamped => "a body that does not ring explains as much",
+        Rejection::Overdamped => "a body that does not ring explains half as much or more",
     }
 }

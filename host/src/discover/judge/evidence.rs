@@ -27,7 +27,7 @@ pub enum Rejection {
     Amplitude,
     /// A mean and a direction alone predict the drive as well.
     Floor,
-    /// Its body explains no more than one with much damping: it does not ring.
+    /// Its body does not ring: one with much damping explains half as much or more.
     Overdamped,
 }
 
