@@ -133,8 +133,10 @@ fn sums_and_turn(
     let turns = turn_sin.as_chunks::<LANES>().0.iter().zip(turn_cos.as_chunks::<LANES>().0);
     let points = left.as_chunks::<LANES>().0.iter().zip(residual.as_chunks::<LANES>().0);
     for (((sin, cos), (turn_sin, turn_cos)), (left, residual)) in waves.zip(turns).zip(points) {
-        let [sine, cosine, turn_sin, turn_cos, left, residual] =
-            [*sin, *cos, *turn_sin, *turn_cos, *left, *residual].map(f32x4::from);
+        // Each is written out. The compiler may leave `map` of an array as a call.
+        let (sine, cosine) = (f32x4::new(*sin), f32x4::new(*cos));
+        let (turn_sin, turn_cos) = (f32x4::new(*turn_sin), f32x4::new(*turn_cos));
+        let (left, residual) = (f32x4::new(*left), f32x4::new(*residual));
         let (s, c) = (left * sine, left * cosine);
         sums[0] += s * residual;
         sums[1] += c * residual;

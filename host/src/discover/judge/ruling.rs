@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use breakaway_core::plant::{Base, Effect, Kind};
+use rayon::prelude::*;
 
 use super::bar::best_decoy;
 use super::break_away::stiction;
@@ -206,14 +207,12 @@ pub fn rule_within(
 ) -> Option<Ruling> {
     let dataset = Dataset::new(recordings, settings);
     let narrowest = narrowest(&dataset, settings)?;
-    let forms = widths(narrowest, settings).into_iter().filter(|width| half_widths_s.contains(width));
-    let forms = forms.filter_map(|width| {
+    let widths: Vec<f64> =
+        widths(narrowest, settings).into_iter().filter(|width| half_widths_s.contains(width)).collect();
+    let judged = widths.into_par_iter().filter_map(|width| {
         let mut form = WeakForm::new(&dataset, width, settings)?;
         form.radians = radians;
         form.ripples = width < WIDE * narrowest;
-        Some(form)
-    });
-    let judged = forms.filter_map(|mut form| {
         let own = judge(&form, settings)?;
         // It holds hundreds of fields as long as the session, and other windows make their own.
         form.made = Made::default();

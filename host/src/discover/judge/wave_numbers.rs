@@ -4,6 +4,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::periodogram::{FASTEST_TURN, Lines, Near, Point, spectrum};
 use super::weak_form::WeakForm;
 use crate::fit::golden_section;
@@ -63,10 +65,11 @@ pub fn peaks(form: &WeakForm<'_>, residual: &[f64], weights: &[f64], over: Over,
         if best <= 0.0 {
             break;
         }
-        found.push(refined(&points, i as f64 * spacing, spacing, form.half_width_s));
+        found.push(i as f64 * spacing);
         let width = OVERSAMPLING as usize + 1;
         power[i.saturating_sub(width)..(i + width + 1).min(lines)].fill(0.0);
     }
+    let found = found.into_par_iter().map(|line| refined(&points, line, spacing, form.half_width_s)).collect();
     Peaks { lines: found, of_lines: (lines - first) as f64 / OVERSAMPLING }
 }
 

@@ -10,6 +10,7 @@ mod remade;
 mod time;
 
 use breakaway_core::plant::Kind;
+use rayon::prelude::*;
 
 pub use bodies::MOST_DAMPING;
 pub use made::Made;
@@ -106,20 +107,19 @@ impl<'a> Library<'a> {
     /// take most of the time.
     pub fn of_effects(&self, wanted: impl Fn(Kind) -> bool) -> Vec<Term> {
         let any = |kinds: &[Kind]| kinds.iter().copied().any(&wanted);
-        let mut terms = once(&self.form.made.motion, || self.of_the_motion());
-        if self.ripples && any(&position::SOUGHT) {
-            terms.extend(self.periodic());
-        }
-        if any(&[Kind::Dahl, Kind::LuGre]) && !self.model.terms.iter().any(|term| term.replaces_direction) {
-            terms.extend(once(&self.form.made.bristles, || self.bristles()));
-        }
-        if any(&[Kind::FlexibleCoupling]) && !self.model.terms.iter().any(|term| term.body.is_some()) {
-            terms.extend(once(&self.form.made.bodies, || self.second_bodies()));
-        }
-        terms.extend(self.of_the_drive());
-        if any(&time::OF_TIME) {
-            terms.extend(self.of_time());
-        }
+        let without = |part: fn(&Term) -> bool| !self.model.terms.iter().any(part);
+        let bristles = any(&[Kind::Dahl, Kind::LuGre]) && without(|term| term.replaces_direction);
+        let bodies = any(&[Kind::FlexibleCoupling]) && without(|term| term.body.is_some());
+        let families: [(bool, fn(&Self) -> Vec<Term>); 6] = [
+            (true, |own| once(&own.form.made.motion, || own.of_the_motion())),
+            (self.ripples && any(&position::SOUGHT), Self::periodic),
+            (bristles, |own| once(&own.form.made.bristles, || own.bristles())),
+            (bodies, |own| once(&own.form.made.bodies, || own.second_bodies())),
+            (true, Self::of_the_drive),
+            (any(&time::OF_TIME), Self::of_time),
+        ];
+        let sought = families.into_par_iter().filter(|(sought, _)| *sought);
+        let mut terms: Vec<Term> = sought.flat_map_iter(|(_, make)| make(self)).collect();
         terms.retain(|term| !matches!(term.name, Name::Effect(kind) if !wanted(kind)));
         terms
     }

@@ -1,6 +1,7 @@
 //! Columns of waves over position: gravity, ripples, friction over position, eccentricity.
 
 use breakaway_core::plant::Kind;
+use rayon::prelude::*;
 
 use super::super::attenuation::{attenuation, audible};
 use super::super::term::{Column, Name, Shape, Term};
@@ -94,30 +95,30 @@ impl Library<'_> {
         let form = self.form;
         let direction = &form.row_direction;
         let signed: Vec<f64> = self.residual.iter().zip(direction).map(|(r, s)| r * s).collect();
-        let mut terms = Vec::new();
         let seen = |k: &f64| self.turns_seen(*k) >= LEAST_TURNS;
         let Peaks { lines, of_lines } = peaks(form, self.residual, self.weights, Over::Position, LINES);
-        for k in lines.into_iter().filter(seen) {
-            terms.extend(self.sought(Kind::Cogging, (k, of_lines), |_, wave| wave));
+        let ripples = lines.into_par_iter().filter(seen).flat_map_iter(|k| {
+            let mut terms = self.sought(Kind::Cogging, (k, of_lines), |_, wave| wave);
             if form.dataset.recordings > 1 {
                 let k = coherent(form, self.residual, self.weights, k);
                 terms.extend(self.sought(Kind::Cogging, (k, of_lines), |_, wave| wave).into_iter().take(1));
             }
-        }
+            terms
+        });
+        let mut terms: Vec<Term> = ripples.collect();
         if let Some(radians) = self.radians {
             let ripple = || self.ripple(Kind::EncoderEccentricity, radians, |_, wave| wave);
             terms.extend(self.by_the_drive(radians, once(&form.made.eccentricity, ripple)));
         }
         let Peaks { lines, of_lines } = peaks(form, &signed, self.weights, Over::Position, LINES);
-        for k in lines.into_iter().filter(seen) {
+        // A relay's drive has the sign of the motion. So a motor whose torque per drive ripples over position looks alike.
+        let drive_varies = self.drive_varies();
+        terms.par_extend(lines.into_par_iter().filter(seen).flat_map_iter(|k| {
             let friction = self.sought(Kind::PositionFriction, (k, of_lines), |s, wave| s.direction * wave);
-            if self.drive_varies() {
-                // A relay's drive has the sign of the motion. So a motor whose torque per drive ripples over position
-                // looks alike.
-                terms.extend(friction.iter().map(|term| self.ripple_of_the_gain(k, term)));
-            }
-            terms.extend(friction);
-        }
+            let gain = |term: &Term| self.ripple_of_the_gain(k, term);
+            let gains: Vec<Term> = friction.iter().filter(|_| drive_varies).map(gain).collect();
+            gains.into_iter().chain(friction)
+        }));
         terms
     }
 
