@@ -25,7 +25,7 @@ pub(super) struct Clocked {
 
 /// Puts a request on its sensor's clock.
 pub(super) fn clocked(request: &Request, settings: &Settings) -> Clocked {
-    let of = |recordings: Vec<Recording>, holdout: Vec<Recording>| Request { recordings, holdout, ..request.clone() };
+    let of = |recordings, holdout| request.of(recordings, holdout);
     let [fresh, fresh_holdout] = [&request.recordings, &request.holdout].map(|all| Recording::refreshed_together(all));
     let Some(age_s) = reading_age_s(&fresh, settings) else {
         return Clocked { request: of(fresh, fresh_holdout), age_s: None, as_seen: None };
@@ -69,7 +69,7 @@ pub(super) fn with_delay(
     let named = rule(&recordings, None).and_then(late).or_else(beside)?;
     ruling.findings.push(of_age(&named, by_clock.age_s?)?);
     let holdout = at_zero(holdout, &moved.holdout);
-    Some((Request { recordings, holdout, ..moved.clone() }, ruling))
+    Some((moved.of(recordings, holdout), ruling))
 }
 
 /// The delay that is as long as the readings are old, with the evidence of what was named. Within the interval of the

@@ -40,9 +40,9 @@ pub fn discover(request: &Request, progress: Watch<'_>) -> Result<Discovery, Dis
     let [recordings, holdout] = [&request.recordings, &request.holdout].map(|all| in_session_order(all));
     progress(Progress::Step("judging the measured forces"));
     let Ruled { request: judged, ruling, age_s, rezeroed } =
-        ruled(&Request { recordings, holdout, ..request.clone() }, &units, &Settings::default());
+        ruled(&request.of(recordings, holdout), &units, &Settings::default());
     let thin = |all: &[Recording]| all.iter().map(thinned).collect();
-    let request = &Request { recordings: thin(&judged.recordings), holdout: thin(&judged.holdout), ..judged.clone() };
+    let request = &judged.of(thin(&judged.recordings), thin(&judged.holdout));
     let by_force = ruling.as_ref().map(|ruling| by_force::found(request, &units, ruling, progress));
     let mut found = if let Some(Ok((by_force, ruling))) = by_force {
         let ruling = &ruling;

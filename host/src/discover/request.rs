@@ -19,6 +19,13 @@ pub struct Request {
     pub provenance: Provenance,
 }
 
+impl Request {
+    /// The same request for other recordings. Its own are not copied, because an hour of rows is 86 MB.
+    pub(super) fn of(&self, recordings: Vec<Recording>, holdout: Vec<Recording>) -> Self {
+        Self { recordings, holdout, model: self.model.clone(), provenance: self.provenance.clone() }
+    }
+}
+
 /// Why there is no discovery.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize)]
 #[serde(tag = "kind", content = "at", rename_all = "snake_case")]

@@ -4,6 +4,7 @@
 //! On an even clock the mean of the held drive over half an interval to either side is (u_k + u_{k−1})/2. Without it
 //! the hold of the drive looks like half a sample of delay.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::settings::Settings;
@@ -47,10 +48,11 @@ const GAP_S: f64 = 0.05;
 const GAP_INTERVALS: f64 = 12.0;
 
 impl Dataset {
-    /// Puts recordings on even clocks.
+    /// Puts recordings on even clocks. Of more than [`Settings::most_samples`] it takes stretches, evenly over all recordings.
     pub fn new(recordings: &[Recording], settings: &Settings) -> Self {
         let shared_clock = share_a_clock(recordings);
-        let pieces = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
+        let pieces: Vec<Piece> = recordings.iter().enumerate().flat_map(|(i, r)| pieces_of(i, r, settings)).collect();
+        let pieces = stretches(&pieces, settings.most_samples).unwrap_or(pieces);
         let unsure_s = recordings.iter().map(Recording::unsure_s).fold(0.0, f64::max);
         let fundamentals = OnceLock::new();
         Self { pieces, recordings: recordings.len(), shared_clock, unsure_s, fundamentals }
@@ -88,6 +90,12 @@ impl Dataset {
 }
 
 impl Piece {
+    /// The samples of a range.
+    fn part(&self, range: Range<usize>) -> Self {
+        let [t, x, u] = [&self.t, &self.x, &self.u].map(|own| own[range.clone()].to_vec());
+        Self { t, x, u, ..*self }
+    }
+
     /// Angular frequency at which the drive repeats, rad/s, and the number of its periods; `None` where it does not
     /// repeat.
     fn fundamental(&self) -> Option<(f64, f64)> {
@@ -131,6 +139,32 @@ impl Piece {
 /// Least correlation of the drive with itself a period later at which it counts as periodic.
 const REPEATS: f64 = 0.9;
 
+/// Stretches that are taken of recordings with too many samples, at the least. Each instant at which an inertia may step
+/// then has its own.
+const STRETCHES: usize = 24;
+/// Fewest samples of a stretch: 1 s at 2 kHz, which is four blocks.
+const LEAST_STRETCH: usize = 2000;
+/// Fewest samples of a piece, as [`Rows::even`] has them.
+const LEAST_PIECE: usize = 9;
+
+/// The stretches of `pieces` that are judged, where they hold more than `most` samples; `None` where they do not. All pieces
+/// make one row of samples, which is cut into equal parts. The middle of each part is taken, as pieces of their own.
+fn stretches(pieces: &[Piece], most: usize) -> Option<Vec<Piece>> {
+    let total: usize = pieces.iter().map(|piece| piece.x.len()).sum();
+    let count = pieces.len().max(STRETCHES).min(most / LEAST_STRETCH).max(1);
+    let length = most / count;
+    let first = |i: usize| (2 * i + 1) * total / (2 * count) - length / 2;
+    let mut end = 0;
+    let of_piece = |piece: &Piece| -> Vec<Piece> {
+        let start = end;
+        end += piece.x.len();
+        let within = |at: usize| at.clamp(start, end) - start;
+        let ranges = (0..count).map(|i| within(first(i))..within(first(i) + length));
+        ranges.filter(|range| range.len() >= LEAST_PIECE).map(|range| piece.part(range)).collect()
+    };
+    (total > most).then(|| pieces.iter().flat_map(of_piece).collect())
+}
+
 fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Piece> {
     let mut intervals: Vec<f64> = recording.t.windows(2).map(|w| w[1] - w[0]).collect();
     if intervals.is_empty() {
@@ -148,7 +182,7 @@ fn pieces_of(index: usize, recording: &Recording, settings: &Settings) -> Vec<Pi
     bounds.sort_unstable();
     bounds.dedup();
     let average = (settings.least_interval_s / tick).ceil().max(1.0) as usize;
-    let each = |range: std::ops::Range<usize>| {
+    let each = |range: Range<usize>| {
         let rows = Rows { t: &recording.t[range.clone()], u: &recording.u[range.clone()], x: &recording.x[range] };
         rows.even(tick, average).map(|(t, x, u)| Piece {
             recording: index,
@@ -219,6 +253,29 @@ fn noise(pieces: &[Piece]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Three recordings of 100, 50 and 250 s are 200 000 samples at 500 Hz. Of 48 000 samples 24 stretches of 4 s are taken, from
+    /// the middles of parts of 16.7 s. A stretch over two recordings makes two pieces.
+    #[test]
+    fn of_too_many_samples_stretches_are_taken_evenly() {
+        let lengths = [50_000, 25_000, 125_000];
+        let mut from = 0;
+        let recordings = lengths.map(|n| {
+            let t: Vec<f64> = (from..from + n).map(|k| 2e-3 * f64::from(k)).collect();
+            from += n;
+            let x = t.iter().map(|t| t.sin()).collect();
+            Recording { u: t.clone(), t, x, ..Recording::default() }
+        });
+        let settings = Settings { most_samples: 48_000, ..Settings::default() };
+        let pieces = Dataset::new(&recordings, &settings).pieces;
+        let of = |i: usize| pieces.iter().filter(|p| p.recording == i).map(|p| p.x.len()).sum::<usize>();
+        assert_eq!([of(0), of(1), of(2)], [12_000, 6_000, 30_000]);
+        let starts: Vec<f64> = pieces.iter().map(|piece| piece.t[0]).collect();
+        assert!(starts.windows(2).all(|w| w[1] - w[0] < 17.0), "{starts:?}");
+        assert!((starts[0] - 6.3).abs() < 0.1 && starts[pieces.len() - 1] > 380.0, "{starts:?}");
+        let all = Dataset::new(&recordings, &Settings { most_samples: 200_000, ..settings }).pieces;
+        assert_eq!(all.iter().map(|piece| piece.x.len()).collect::<Vec<_>>(), lengths.map(|n| n as usize));
+    }
 
     /// 10 s at 500 Hz from an instant on, driven by a sine and a tenth of a second one, both by their angular frequencies, rad/s.
     fn driven(from_s: f64, [omega, other]: [f64; 2]) -> Recording {

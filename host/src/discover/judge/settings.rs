@@ -11,6 +11,8 @@ pub struct Settings {
     pub noise_share: f64,
     /// Shortest sample interval, s. Samples of a faster clock are averaged.
     pub least_interval_s: f64,
+    /// Most samples. Of more than that stretches are taken. The judge needs 5 kB for each sample, and 1 GB is asked at most.
+    pub most_samples: usize,
     /// Least speed of a window, as a share of the 95th percentile of the speed. Slower windows are left out.
     pub slow_share: f64,
     /// Most windows. Where there are more, they are thinned and overlap less.
@@ -69,6 +71,7 @@ impl Default for Settings {
             least_half_samples: 4,
             noise_share: 0.15,
             least_interval_s: 0.5e-3,
+            most_samples: 160_000,
             slow_share: 0.02,
             most_rows: 5000,
             folds: 5,
