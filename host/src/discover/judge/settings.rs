@@ -11,7 +11,8 @@ pub struct Settings {
     pub noise_share: f64,
     /// Shortest sample interval, s. Samples of a faster clock are averaged.
     pub least_interval_s: f64,
-    /// Most samples. Of more than that stretches are taken. The judge needs 5 kB for each sample, and 1 GB is asked at most.
+    /// Most samples. Of more than that stretches are taken. The judge needs 6.5 kB for each on two cores (docs/scale.md), and
+    /// the whole may need 1 GB.
     pub most_samples: usize,
     /// Least speed of a window, as a share of the 95th percentile of the speed. Slower windows are left out.
     pub slow_share: f64,
@@ -71,7 +72,7 @@ impl Default for Settings {
             least_half_samples: 4,
             noise_share: 0.15,
             least_interval_s: 0.5e-3,
-            most_samples: 160_000,
+            most_samples: 100_000,
             slow_share: 0.02,
             most_rows: 5000,
             folds: 5,
