@@ -67,6 +67,9 @@ pub struct Library<'a> {
     inertia: f64,
 }
 
+/// Makes a family of terms.
+type Family = fn(&Library<'_>) -> Vec<Term>;
+
 impl<'a> Library<'a> {
     /// Columns beside a fitted model.
     pub fn new(form: &'a WeakForm<'a>, model: &'a Model, fitted: &'a Fitted, weights: &'a Weights) -> Self {
@@ -110,13 +113,13 @@ impl<'a> Library<'a> {
         let without = |part: fn(&Term) -> bool| !self.model.terms.iter().any(part);
         let bristles = any(&[Kind::Dahl, Kind::LuGre]) && without(|term| term.replaces_direction);
         let bodies = any(&[Kind::FlexibleCoupling]) && without(|term| term.body.is_some());
-        let families: [(bool, fn(&Self) -> Vec<Term>); 6] = [
+        let families: [(bool, Family); 6] = [
             (true, |own| once(&own.form.made.motion, || own.of_the_motion())),
-            (self.ripples && any(&position::SOUGHT), Self::periodic),
+            (self.ripples && any(&position::SOUGHT), |own| own.periodic()),
             (bristles, |own| once(&own.form.made.bristles, || own.bristles())),
             (bodies, |own| once(&own.form.made.bodies, || own.second_bodies())),
-            (true, Self::of_the_drive),
-            (any(&time::OF_TIME), Self::of_time),
+            (true, |own| own.of_the_drive()),
+            (any(&time::OF_TIME), |own| own.of_time()),
         ];
         let sought = families.into_par_iter().filter(|(sought, _)| *sought);
         let mut terms: Vec<Term> = sought.flat_map_iter(|(_, make)| make(self)).collect();
