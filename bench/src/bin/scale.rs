@@ -90,7 +90,7 @@ fn point(program: &Path, folder: &Path, x: f64, lengths_s: &[f64]) -> Result<Poi
     let (discover, answer) = cost(folder, Command::new(program).args(["discover", "--json"]).args(&files))?;
     fs::remove_dir_all(folder)?;
     let sentence = answer.lines().find_map(|line| line.trim().strip_prefix("\"sentence\": \"")).unwrap_or("");
-    let said = sentence.split(':').next().unwrap_or("").to_owned();
+    let said = sentence.split(". ").next().unwrap_or("").to_owned();
     println!(
         "{x}: identify {:.2} s, discover {:.2} s, {:.0} MB; {said}",
         identify.seconds, discover.seconds, discover.peak_mb
@@ -153,7 +153,8 @@ fn page(lengths: &[Point], counts: &[Point]) -> String {
 
 Written by `cargo xtask bench --scale`. The recordings are multisines at 1 kHz of the papers' plant with Stribeck friction, in CSV files.
 Every point is a process of its own. Discovery simulates at most 120 segments to fit and 80 to score, taken evenly over the session,
-and its report says so. Beyond some minutes of data its time therefore grows with reading and smoothing alone.
+and its report says so. The judge of the forces takes stretches of together 100 000 samples, evenly over the session. Beyond some
+minutes of data the time therefore grows with reading and smoothing alone, and so does the memory.
 
 ## One recording
 

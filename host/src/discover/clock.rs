@@ -25,10 +25,9 @@ pub(super) struct Clocked {
 
 /// Puts a request on its sensor's clock.
 pub(super) fn clocked(request: &Request, settings: &Settings) -> Clocked {
-    let of = |recordings, holdout| request.of(recordings, holdout);
     let [fresh, fresh_holdout] = [&request.recordings, &request.holdout].map(|all| Recording::refreshed_together(all));
     let Some(age_s) = reading_age_s(&fresh, settings) else {
-        return Clocked { request: of(fresh, fresh_holdout), age_s: None, as_seen: None };
+        return Clocked { request: request.of(fresh, fresh_holdout), age_s: None, as_seen: None };
     };
     let aged = |all: &[Recording], fresh: &[Recording]| -> Vec<Recording> {
         let held = fresh.iter().map(|own| if own.read_every_s.is_some() { age_s } else { 0.0 });
@@ -36,11 +35,11 @@ pub(super) fn clocked(request: &Request, settings: &Settings) -> Clocked {
             all.iter().zip(held).map(|(recording, age_s)| recording.with_readings_of(age_s)).collect();
         Recording::refreshed_together(&all)
     };
-    let own = of(aged(&request.recordings, &fresh), aged(&request.holdout, &fresh_holdout));
+    let own = request.of(aged(&request.recordings, &fresh), aged(&request.holdout, &fresh_holdout));
     let [seen, seen_holdout] =
         [fresh, fresh_holdout].map(|all| all.into_iter().map(Recording::seen_by_rows).collect::<Vec<_>>());
     let rows_s = seen.iter().map(Recording::unsure_s).fold(0.0, f64::max);
-    Clocked { request: own, age_s: Some(age_s), as_seen: (age_s > rows_s).then(|| of(seen, seen_holdout)) }
+    Clocked { request: own, age_s: Some(age_s), as_seen: (age_s > rows_s).then(|| request.of(seen, seen_holdout)) }
 }
 
 /// A request and its ruling with the delay of the loop, if the judge names one in the recordings `as_seen`. A delay may only

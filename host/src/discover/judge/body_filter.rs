@@ -40,7 +40,7 @@ impl Filter {
     fn run(&self, signals: [&[f64]; TOGETHER]) -> [Vec<f64>; TOGETHER] {
         let n = signals.iter().map(|signal| signal.len()).max().unwrap_or(0);
         let mut filtered = [(); TOGETHER].map(|()| Vec::with_capacity(n));
-        // Each lane is written out. The compiler may leave `map` of an array as a call, which doubles the time.
+        // Each lane is written out. The compiler may leave `map` of an array as a call for each sample.
         let [one, two, three, four] = signals;
         let at = |k: usize| {
             let of = |signal: &[f64]| signal.get(k).copied().unwrap_or(0.0);

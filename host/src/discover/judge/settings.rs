@@ -11,8 +11,8 @@ pub struct Settings {
     pub noise_share: f64,
     /// Shortest sample interval, s. Samples of a faster clock are averaged.
     pub least_interval_s: f64,
-    /// Most samples. Of more than that stretches are taken. The judge needs 6.5 kB for each on two cores (docs/scale.md), and
-    /// the whole may need 1 GB.
+    /// Most samples. Of more than that stretches are taken. The judge needs 7 kB for each on two cores (docs/scale.md), and the
+    /// whole may need 1 GB.
     pub most_samples: usize,
     /// Least speed of a window, as a share of the 95th percentile of the speed. Slower windows are left out.
     pub slow_share: f64,
