@@ -87,7 +87,14 @@ pub fn run_watched(case: &Case, progress: Watch<'_>) -> Result<(Scored, Discover
 pub fn in_words(found: &Discovery) -> Vec<String> {
     let line =
         |c: &CandidateRow| format!("{:22} Δ {:.4} z {:.1} λ {:.0} {}", c.kind.name(), c.delta, c.z, c.lambda, c.fate);
-    found.candidates.iter().map(line).chain(found.remarks.iter().cloned()).collect()
+    let model = found.model.effects.iter().zip(&found.model_se).map(|(effect, errors)| {
+        let parameters = effect.kind.definition().parameters.iter().zip(effect.p).zip(errors);
+        let of = parameters.map(|((p, value), se)| format!("{} {value:.6e} ± {se:.1e}", p.symbol));
+        format!("{:22} {}", effect.kind.name(), of.collect::<Vec<_>>().join(", "))
+    });
+    let rungs = found.ladder.iter().map(|rung| format!("held-out error {:.4e}", rung.holdout_rmse));
+    let rows = found.candidates.iter().map(line).chain(model).chain(rungs);
+    rows.chain(found.remarks.iter().cloned()).collect()
 }
 
 fn score(truth: &Truth, own_error: f64, found: &Discovery) -> Scored {

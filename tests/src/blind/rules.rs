@@ -48,7 +48,8 @@ impl Row {
             .is_some_and(|lead| is_hidden(self, &self.named[lead]) || self.lead_tied.iter().any(|n| is_hidden(self, n)))
     }
 
-    /// Whether all hidden effects were named, and nothing else.
+    /// Whether all hidden effects were named, and nothing else. A ripple counts once: the hidden one has two waves in it,
+    /// and each may be named.
     pub fn right(&self) -> bool {
         let sorted = |names: &[String]| {
             let one = |name: &String| {
@@ -57,9 +58,7 @@ impl Row {
             };
             let mut names: Vec<String> = without_rest(names).filter(|name| !is_excused(self, name)).map(one).collect();
             names.sort_unstable();
-            if has(self, "delay") {
-                names.dedup();
-            }
+            names.dedup();
             names
         };
         !self.without_answer() && sorted(&self.hidden) == sorted(&self.named)
@@ -165,6 +164,13 @@ mod tests {
         assert!(late.lead_right() && late.right() && !late.wrong() && late.verdict_right());
         let strict = row("rate=200Hz", "electrical_lag", "explained", "delay", "");
         assert!(!strict.lead_right() && !strict.right() && strict.wrong() && !strict.verdict_right());
+    }
+
+    /// The hidden cogging of 22 waves in a turn has 44 waves too, of .3 of its amplitude. They are two names of one effect.
+    #[test]
+    fn the_waves_of_a_ripple_are_one_effect() {
+        assert!(row("", "cogging", "explained", "cogging+cogging", "").right());
+        assert!(!row("", "cogging+spring", "explained", "cogging+cogging", "").right());
     }
 
     #[test]

@@ -37,7 +37,8 @@ pub(super) fn place(found: &Discovery) -> Option<&WhereRow> {
     found.where_map.first().filter(|row| row.r2 >= PREDICTS)
 }
 
-fn missing(found: &Discovery) -> String {
+/// The titles of the named effects, each once: a ripple has a name for each of its waves.
+fn titles(found: &Discovery) -> Vec<String> {
     let mut titles: Vec<String> = Vec::new();
     for effect in &found.effects {
         let title = within_a_sentence(effect.kind.definition().title);
@@ -45,7 +46,11 @@ fn missing(found: &Discovery) -> String {
             titles.push(title);
         }
     }
-    match (found.verdict, titles.as_slice()) {
+    titles
+}
+
+fn missing(found: &Discovery) -> String {
+    match (found.verdict, titles(found).as_slice()) {
         (Verdict::NothingMissing, _) => "Nothing is missing.".to_owned(),
         (_, []) if found.force.is_some_and(|force| force.predictable.is_none()) => {
             let reason = if place(found).is_none() { ": no coordinate predicts the unexplained force" } else { "" };
@@ -72,9 +77,10 @@ fn explained(found: &Discovery) -> Option<String> {
     if found.effects.is_empty() {
         return None;
     }
+    let several = titles(found).len() > 1;
     let share = found.force.map(|force| 1.0 - (force.drive[1] / force.drive[0]).powi(2));
     if let Some(share) = share.filter(|share| *share >= TOLD_BY_FORCE) {
-        let it = if found.effects.len() > 1 { "Together they explain" } else { "It explains" };
+        let it = if several { "Together they explain" } else { "It explains" };
         return Some(format!("{it} {:.0} % of the unexplained force.", 100.0 * share));
     }
     let horizon = Horizon::of(found);
@@ -82,7 +88,7 @@ fn explained(found: &Discovery) -> Option<String> {
     // Behind teeth a simulated rotor may be off by one, although the force falls.
     let moves = if errors[1] < errors[0] { "falls" } else { "rises" };
     let [before, after] = errors.map(|error| quantity(error, &found.units.x, 2));
-    let with = if found.effects.len() > 1 { "them" } else { "it" };
+    let with = if several { "them" } else { "it" };
     Some(format!("With {with} the held-out simulation error {} {moves} from {before} to {after}.", horizon.words()))
 }
 

@@ -217,6 +217,19 @@ fn headline_and_tiles_have_one_horizon() {
     }
 }
 
+/// Two waves of one ripple have two names, and are one effect: *it* explains, where two effects do *together*.
+#[test]
+fn the_waves_of_a_ripple_are_one_effect() {
+    let mut sample = sample::explained();
+    sample.effects.truncate(1);
+    sample.effects.push(sample.effects[0].clone());
+    let one = discovery::sentence::sentence(&sample);
+    assert!(one.contains(". With it the held-out"), "{one}");
+    sample.effects[1].kind = Kind::Spring;
+    let two = discovery::sentence::sentence(&sample);
+    assert!(two.contains(" and spring. With them the held-out"), "{two}");
+}
+
 /// Behind teeth the simulated error may grow with the right effect. The headline says so.
 #[test]
 fn an_error_that_grows_does_not_fall() {

@@ -6,6 +6,8 @@ use super::super::term::{Sign, Term};
 use super::super::weak_form::{Field, percentile};
 use super::{Library, effect};
 
+/// The fall of a Stribeck curve that is seen, as an exponent: −ln 5 %.
+const FALL: f64 = 3.0;
 /// Strokes of the grid.
 const STROKES: i32 = 11;
 
@@ -28,9 +30,18 @@ impl Library<'_> {
             terms.extend(self.waves(Kind::GravityLoad, radians, |_, wave| wave));
         }
         for share in [0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.5] {
-            terms.extend([1.0, 2.0].map(|p| self.stribeck(share * self.form.v95, p)));
+            let vs = share * self.form.v95;
+            let seen = [1.0, 2.0].into_iter().filter(|p| vs <= self.most_stribeck(*p));
+            terms.extend(seen.map(|p| self.stribeck(vs, p)));
         }
         terms
+    }
+
+    /// The largest Stribeck velocity of this exponent that the motion shows. The curve has fallen to 5 % of its rise there
+    /// at 95 % of all speeds. A curve that falls less is Coulomb and viscous friction with a little drag: of
+    /// −s·exp(−v/vs), the powers of v/vs.
+    pub(super) fn most_stribeck(&self, p: f64) -> f64 {
+        self.form.v95 / FALL.powf(1.0 / p)
     }
 
     /// A Stribeck curve of this velocity and exponent.
@@ -95,5 +106,40 @@ impl Library<'_> {
                 .collect()
         });
         each.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::bar::tests::Axis;
+    use super::super::super::dataset::Dataset;
+    use super::super::super::search::Stage;
+    use super::super::super::settings::Settings;
+    use super::super::super::sides::Model;
+    use super::super::super::term::Name;
+    use super::super::super::weak_form::WeakForm;
+    use super::super::super::weights::Weights;
+    use super::*;
+
+    /// Of twelve drags of the hidden plant six were called Stribeck friction (kind world, 10 %, seeds 871 to 882). The Stribeck
+    /// velocity of four was nearly the motion's own. The motion passes that of each curve of the grid, wherever it is moved.
+    #[test]
+    fn the_motion_shows_the_fall_of_each_stribeck_curve() {
+        let settings = Settings::default();
+        let dataset = Dataset::new(&[Axis { f1: 0.1, drag: 0.01, load: 0.0, seed: 1 }.recording()], &settings);
+        let form = WeakForm::new(&dataset, 0.03, &settings).unwrap();
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let library = base.library();
+        let curves = library.of_effects(|kind| kind == Kind::Stribeck);
+        let curves: Vec<Term> = curves.into_iter().filter(|term| term.name == Name::Effect(Kind::Stribeck)).collect();
+        assert!(curves.len() > 8);
+        for curve in &curves {
+            let p = curve.parameters.get(1).map_or(2.0, |(_, p)| *p);
+            let [(_, [_, most])] = *library.brackets(curve) else { panic!("one parameter moves") };
+            for vs in [curve.parameters[0].1, most] {
+                let left = (-(form.v95 / vs).powf(p)).exp();
+                assert!(left < 0.0501, "{left} of the rise is left at 95 % of the speeds: vs {vs}, p {p}");
+            }
+        }
     }
 }

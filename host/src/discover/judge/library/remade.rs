@@ -48,7 +48,11 @@ impl Library<'_> {
                 vec![times(0, self.frequencies()[1]), damping]
             }
             Kind::Delay | Kind::ElectricalLag | Kind::LoadFriction => vec![times(0, RATIO)],
-            Kind::Stribeck | Kind::DeadZone | Kind::FrictionDrift => vec![times(0, 2.0)],
+            Kind::Stribeck => {
+                let p = term.parameters.get(1).map_or(2.0, |(_, p)| *p);
+                vec![(0, [0.5 * of(0), (2.0 * of(0)).min(self.most_stribeck(p))])]
+            }
+            Kind::DeadZone | Kind::FrictionDrift => vec![times(0, 2.0)],
             Kind::Saturation => vec![(0, [0.9 * of(0), (1.1 * of(0)).min(self.largest_drive)])],
             _ => Vec::new(),
         }
