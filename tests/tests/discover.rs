@@ -3,7 +3,7 @@
 //! `cargo xtask blind`; docs/blind.md has its table.
 //!
 //! Seeds from 901 on are not used for the table there. Of them the slow sines of 903 to 911 and the pair of 902 were
-//! looked at while a rule was made (docs/blind.md).
+//! looked at while a rule was made (docs/blind-history.md).
 
 use breakaway::discover::engine::discover;
 use breakaway::discover::outcome::Verdict;
@@ -211,7 +211,7 @@ fn an_effect_outside_the_catalogue_is_not_explained() {
     assert!(scored.verdict != Verdict::Explained && scored.verdict != Verdict::NothingMissing, "{scored:?}");
 }
 
-/// Random torque, held positions and a late sensor hide a backlash beside a drift of the gain (docs/blind.md, unkind
+/// Random torque, held positions and a late sensor hide a backlash beside a drift of the gain (docs/blind-history.md, unkind
 /// seed 3308). The forces name the drift, and the rest is random to them. The motion must not doubt the drift. Where it
 /// ends its search without the backlash, the drift stays. The sensor is 7.0 ms late, which delays the loop. So a delay
 /// may be named beside it, or a lag with which the delay is tied. Which of the two is first changed with a held-out error

@@ -1,6 +1,6 @@
 //! The decision on paired segments (docs/discovery.md, section 8).
 
-/// Thresholds of naming, calibrated on clean seeds (docs/blind.md).
+/// Thresholds of naming, calibrated on clean seeds (docs/blind-history.md).
 #[derive(Clone, Copy, Debug)]
 pub struct Thresholds {
     /// Least mean of log(σ² + mse_without) − log(σ² + mse_with).

@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(Row::parse(&(HEADER.to_owned() + UNKIND_HEADER)), None);
     }
 
-    /// The rows of docs/blind.md, which were written before there was any other world.
+    /// The rows of the kind world in docs/blind.md, which have no cells of a world.
     #[test]
     fn the_kind_file_is_read_whole() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/blind.csv");

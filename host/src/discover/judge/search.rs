@@ -273,8 +273,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Most second bodies, and most damped modes, that are tried on both sides. Their grids have 75 and 50. docs/blind.md has
-/// the seeds that were asked with and without this bound.
+/// Most second bodies, and most damped modes, that are tried on both sides. Their grids have 75 and 50. docs/blind-history.md
+/// has the seeds that were asked with and without this bound.
 const BODIES: usize = 20;
 /// Gain on a side above which a term is tried with a partner, nats.
 const PAIR_GAIN: f64 = 0.05;
