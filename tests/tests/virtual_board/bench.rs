@@ -50,6 +50,9 @@ pub struct Bench {
     pub events: Vec<Event>,
 }
 
+/// Ticks after which no fault is waited for: a minute at 1 kHz.
+const LONGEST: u64 = 60_000;
+
 impl Bench {
     pub fn new(change: impl FnOnce(&mut Options)) -> Self {
         let mut options = options(&papers_plant());
@@ -152,7 +155,7 @@ impl Bench {
     pub fn breaks_at(&mut self, fault: Fault, least_code: u16, ticks: u64) {
         self.board.inject(fault);
         let seen = self.board.watch();
-        seen.recv().unwrap();
+        let first = seen.recv().unwrap();
         let (mut counted, mut quiet) = (0, 0);
         // As long without any drive as the longest stay at 0 of a running relay, which has none.
         while quiet < 50 {
@@ -160,6 +163,7 @@ impl Bench {
             quiet = if now.code == 0 { quiet + 1 } else { 0 };
             counted += u64::from(now.code.unsigned_abs() >= least_code);
             assert!(now.code == 0 || counted <= ticks, "{fault:?}: still driven after {counted} ticks");
+            assert!(now.tick - first.tick < LONGEST, "{fault:?}: not told from less drive");
             // The host goes on saying that it is there.
             while self.client.receive(Duration::ZERO).is_ok_and(|message| {
                 match message {

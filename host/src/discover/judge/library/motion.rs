@@ -38,8 +38,8 @@ impl Library<'_> {
     }
 
     /// The largest Stribeck velocity of this exponent that the motion shows. The curve has fallen to 5 % of its rise there
-    /// at 95 % of all speeds. A curve that falls less is Coulomb and viscous friction with a little drag: of
-    /// −s·exp(−v/vs), the powers of v/vs.
+    /// at 95 % of all speeds. A curve that falls less is hardly more than its first powers of v/vs. They are Coulomb and
+    /// viscous friction, and a drag.
     pub(super) fn most_stribeck(&self, p: f64) -> f64 {
         self.form.v95 / FALL.powf(1.0 / p)
     }
