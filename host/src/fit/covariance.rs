@@ -17,7 +17,13 @@ impl Covariance {
     /// Standard error of a free parameter. `None` if it is held; NaN if the segments do not determine it.
     pub fn standard_error(&self, parameter: Free) -> Option<f64> {
         let i = self.free.iter().position(|f| *f == parameter)?;
-        Some(self.matrix[(i, i)].max(0.0).sqrt())
+        let variance = self.matrix[(i, i)];
+        Some(if variance > 0.0 { variance.sqrt() } else { f64::NAN })
+    }
+
+    /// Whether the segments determine all free parameters: each has a standard error.
+    pub fn determined(&self) -> bool {
+        self.matrix.diagonal().iter().all(|variance| *variance > 0.0 && variance.is_finite())
     }
 }
 
@@ -42,5 +48,28 @@ impl Problem<'_> {
         };
         let Some(inverse) = hessian.cholesky().map(|c| c.inverse()) else { return unknown() };
         if self.segments.len() < 4 * p { inverse } else { &inverse * scores * &inverse }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A variance that is no positive number is no standard error of 0. MuJoCo's friction was called LuGre's with errors
+    /// of 0, where the normal equations had no solution.
+    #[test]
+    fn what_is_not_determined_has_no_standard_error() {
+        let of = |variances: [f64; 2]| Covariance {
+            free: vec![Free::Base(0), Free::Base(1)],
+            matrix: DMatrix::from_diagonal(&variances.to_vec().into()),
+        };
+        let told = of([4.0, 9.0]);
+        assert_eq!((told.standard_error(Free::Base(1)), told.determined()), (Some(3.0), true));
+        assert_eq!(told.standard_error(Free::Base(2)), None);
+        for undetermined in [f64::NAN, -1.0, 0.0, f64::INFINITY] {
+            let own = of([4.0, undetermined]);
+            let error = own.standard_error(Free::Base(1)).unwrap();
+            assert!(!(own.determined() || error.is_finite()), "{undetermined} {error}");
+        }
     }
 }

@@ -125,7 +125,7 @@ pub(in crate::discover) enum Standing {
 }
 
 /// The effects of `kinds` that do as well in the place of the `j`-th effect of a fit, or better. They are in the order
-/// of their costs; there are none where nothing can be fitted.
+/// of their costs; there are none where nothing can be fitted. The recordings determine the parameters of each.
 pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[Kind]) -> Vec<(Effect<f64>, Standing)> {
     let Ok(without) = Model::of(fit).without(j).fit(&data.problem(), Some(&fit.initial), LAST_ITERATIONS) else {
         return Vec::new();
@@ -143,7 +143,7 @@ pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[
         }
     };
     let tried = round.tried.iter().filter_map(|tried| {
-        let own = tried.fit.as_ref().ok()?;
+        let own = tried.fit.as_ref().ok().filter(|own| data.problem().covariance(own).determined())?;
         Some((*own.candidate.effects.last()?, standing(own)?))
     });
     tried.collect()

@@ -33,8 +33,11 @@ impl Search<'_> {
             let own = node.fit.candidate.effects.get(place..=place).unwrap_or_default();
             // What grew beside an effect, and the last iterations, may have moved it beyond the recordings since it was tried.
             let unresolved = resolved(self.data, &node.fit.candidate, own).err();
+            let determined = || self.data.problem().covariance(&node.fit).determined();
             let reason = if let Some(reason) = before.refuses(&node.gap).or(unresolved) {
                 reason
+            } else if !determined() {
+                "has parameters that the recordings do not determine".to_owned()
             } else if node.kinds()[j].second_body() && !before.followed_by_bodies(&node.gap) {
                 "follows short segments from a start free in each, and not the open loop".to_owned()
             } else if node.added() == 1 && !names(&round.data, &round.without, &node.fit) {
