@@ -17,14 +17,18 @@ impl Covariance {
     /// Standard error of a free parameter. `None` if it is held; NaN if the segments do not determine it.
     pub fn standard_error(&self, parameter: Free) -> Option<f64> {
         let i = self.free.iter().position(|f| *f == parameter)?;
-        let variance = self.matrix[(i, i)];
-        Some(if variance > 0.0 { variance.sqrt() } else { f64::NAN })
+        Some(error(self.matrix[(i, i)]))
     }
 
     /// Whether the segments determine all free parameters: each has a standard error.
     pub fn determined(&self) -> bool {
-        self.matrix.diagonal().iter().all(|variance| *variance > 0.0 && variance.is_finite())
+        self.matrix.diagonal().iter().all(|variance| error(*variance).is_finite())
     }
+}
+
+/// The root of a variance; NaN where that is no positive number.
+fn error(variance: f64) -> f64 {
+    if variance > 0.0 { variance.sqrt() } else { f64::NAN }
 }
 
 impl Problem<'_> {

@@ -143,8 +143,10 @@ pub(in crate::discover) fn stand_ins(data: &Data, fit: &Fit, j: usize, kinds: &[
         }
     };
     let tried = round.tried.iter().filter_map(|tried| {
-        let own = tried.fit.as_ref().ok().filter(|own| data.problem().covariance(own).determined())?;
-        Some((*own.candidate.effects.last()?, standing(own)?))
+        let own = tried.fit.as_ref().ok()?;
+        let standing = standing(own)?;
+        let determined = data.problem().covariance(own).determined();
+        determined.then_some((*own.candidate.effects.last()?, standing))
     });
     tried.collect()
 }

@@ -1,5 +1,7 @@
 //! The conditions on data that were not fitted, under which the effects of a model are named.
 
+use std::cell::OnceCell;
+
 use super::Search;
 use super::compare::{names, names_further};
 use super::node::Node;
@@ -18,6 +20,7 @@ impl Search<'_> {
     /// Why the effects of a model are not named; `None` if they are. Each of them must hold beside the others, but those
     /// on which the forces have decided.
     pub(super) fn refusal(&self, node: &mut Node) -> Option<Refusal> {
+        let determined = OnceCell::new();
         for j in (0..node.added()).rev() {
             if self.is_decided(node.kinds()[j]) {
                 continue;
@@ -33,10 +36,9 @@ impl Search<'_> {
             let own = node.fit.candidate.effects.get(place..=place).unwrap_or_default();
             // What grew beside an effect, and the last iterations, may have moved it beyond the recordings since it was tried.
             let unresolved = resolved(self.data, &node.fit.candidate, own).err();
-            let determined = || self.data.problem().covariance(&node.fit).determined();
             let reason = if let Some(reason) = before.refuses(&node.gap).or(unresolved) {
                 reason
-            } else if !determined() {
+            } else if !*determined.get_or_init(|| self.data.problem().covariance(&node.fit).determined()) {
                 "has parameters that the recordings do not determine".to_owned()
             } else if node.kinds()[j].second_body() && !before.followed_by_bodies(&node.gap) {
                 "follows short segments from a start free in each, and not the open loop".to_owned()
