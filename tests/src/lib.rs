@@ -8,6 +8,7 @@ pub mod drift;
 pub mod fuzz;
 pub mod machines;
 pub mod markdown;
+pub mod mujoco;
 pub mod papers;
 pub mod requests;
 pub mod robustness;

@@ -1,5 +1,5 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `budget`, `web`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `loops`, `soak`, `site`, `notices`. Tests by themselves are `pico2-test`, `web-test`,
+//! `arrows`, `bench`, `blind`, `machines`, `mujoco`, `loops`, `soak`, `site`, `notices`. Tests by themselves are `pico2-test`, `web-test`,
 //! `fleet-test`, `export-test`, `logs-test`, `python-test`.
 
 mod ahead;
@@ -106,6 +106,18 @@ enum Task {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Simulate machines with MuJoCo, discover and score them, into docs/mujoco.csv and docs/mujoco.md; needs Python and PyPI
+    Mujoco {
+        /// Seeds, such as 201..205, whose end is left out
+        #[arg(long)]
+        seeds: String,
+        /// Scenarios of tests/mujoco/machines, with commas between [default: all]
+        #[arg(long)]
+        scenarios: Option<String>,
+        /// Make the rows again, whether the file holds them or not
+        #[arg(long)]
+        anew: bool,
+    },
     /// Close the loop on the virtual board for every effect of docs/control.md, and print its table
     Loops,
     /// Stream from the virtual board over a link with noise: nothing may be lost but the frames that were hit
@@ -152,6 +164,7 @@ fn main() -> ExitCode {
         Task::Bench { peers: true, only, .. } => bench::peers::run_parts(&only),
         Task::Blind { arguments } => bench::blind(&arguments),
         Task::Machines { arguments } => bench::machines(&arguments),
+        Task::Mujoco { seeds, scenarios, anew } => bench::mujoco(&seeds, scenarios.as_deref(), anew),
         Task::Soak { minutes, noise } => cross::install().and_then(|toolchain| soak::all(toolchain, minutes, noise)),
         Task::Loops => cross::install().and_then(loops::all),
         Task::Site => site::build(),

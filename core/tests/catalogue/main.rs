@@ -61,7 +61,8 @@ fn strong(kind: Kind, units: [f64; 3]) -> Effect<f64> {
         Role::NaturalFrequency => 80.0,
         Role::Stiffness => 60.0,
         Role::Damping => 0.05,
-        Role::Gap => 0.02,
+        // The motion goes to .097, so that it reaches a stop.
+        Role::Gap | Role::Position => 0.02,
         Role::Exponent => 1.5,
         _ => 0.3,
     };

@@ -160,6 +160,7 @@ fn decide(axis: &Axis, part: &Part, parts: &mut Parts, winding: bool) -> Decided
         Element::DriveDeadZone { .. } | Element::DriveDeadTime { .. } => {
             lost("no actuator has it; apply it to the control before MuJoCo gets it")
         }
+        Element::Stop { .. } => lost("a joint's range ends at a constraint; apply the force by qfrc_applied"),
         Element::Shaking { .. } => lost("no force depends on the time; apply it by qfrc_applied"),
         Element::LevelAtRest { .. } => lost("the bristles of another effect carry the friction at rest"),
         Element::LevelByDrive { .. } | Element::LevelByPosition { .. } => lost("frictionloss is one number"),

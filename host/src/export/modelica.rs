@@ -68,6 +68,10 @@ fn decide(part: &Part, index: usize, all: &mut Equations) -> Decided {
             let (k, r) = (all.declare(part, index, "stiffness", stiffness), all.declare(part, index, "rest", rest));
             all.force.push(format!("(-{k}*(x - {r}))"));
         }
+        Element::Stop { stiffness, begins } => {
+            let (k, b) = (all.declare(part, index, "stiffness", stiffness), all.declare(part, index, "begins", begins));
+            all.force.push(format!("(if {k}*(x - {b}) > 0 then -abs({k})*(x - {b}) else 0)"));
+        }
         Element::Shaking { amplitude, angular_frequency, phase } => {
             let (a, w, p) = (
                 all.declare(part, index, "amplitude", amplitude),

@@ -7,12 +7,13 @@
 //! - saturation: u_max = A0 − F.
 //! - gain_drift: F is lost at the drive A0 at the end of the session.
 //! - position_friction: f1·k = F, with k ≤ 0.9.
-//! - asymmetric_viscous, quadratic_drag, spring, inertia_step, encoder_eccentricity: a simulation calibrates the
+//! - asymmetric_viscous, quadratic_drag, spring, end_stop, inertia_step, encoder_eccentricity: a simulation calibrates the
 //!   parameter. The largest force over the session's own motion is then F, within d ≤ 0.8c, −0.6 ≤ Δ ≤ 3, A ≤ 0.5 rad.
 //! - delay, electrical_lag: ω·τ = size at the high relay's frequency ω. The fundamental of u(t) − u(t−τ) is then F.
 //! - backlash: gap = size × peak-to-peak of the high relay's cycle, at least 4 encoder steps. The load has 20–60 % of
 //!   b. The contact is nearly plastic (200 Hz, damping ratio 0.8), and friction acts on the motor only.
 //! - dahl, lugre: f1/σ0 = size × that peak-to-peak, at least 2 encoder steps. lugre also has s = F/2.
+//! - end_stop: 40 to 80 % of the travel are free, and the stop is at either end of the rest.
 //! - flexible_coupling: mass ratio 0.05 + 1.2·size, resonance 15–60 Hz.
 
 use crate::law::{Bristle, ForceLaw, Pwm, Second, Stribeck, Wave};
@@ -91,6 +92,13 @@ pub fn hide(law: &mut ForceLaw, name: &str, size: f64, to: &Reference, rng: &mut
             let reach = to.positions.iter().fold(0.0, |m: f64, x| m.max((x - x0).abs()));
             law.spring = Some((force / reach, x0));
         }
+        "end_stop" => {
+            let least = to.positions.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = to.positions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let free = rng.random_range(0.4..0.8) * (most - least);
+            let x0 = if side > 0.0 { least + free } else { most - free };
+            law.stop = Some((side * force / (most - least - free), x0));
+        }
         "time_periodic" => {
             law.periodic = Some(Wave { a: force, n: TAU * log_uniform(rng, 0.7, 9.0), phi });
         }
@@ -166,7 +174,10 @@ fn bursts(force: f64, end: f64, rng: &mut ChaCha8Rng) -> Vec<(f64, f64, f64)> {
 
 /// Whether the largest force of this effect depends on the motion and is set by simulation.
 pub fn is_calibrated(name: &str) -> bool {
-    matches!(name, "asymmetric_viscous" | "quadratic_drag" | "spring" | "inertia_step" | "encoder_eccentricity")
+    matches!(
+        name,
+        "asymmetric_viscous" | "quadratic_drag" | "spring" | "end_stop" | "inertia_step" | "encoder_eccentricity"
+    )
 }
 
 /// Multiplies the calibrated parameter, within its cap.
@@ -177,6 +188,7 @@ pub fn rescale(law: &mut ForceLaw, name: &str, factor: f64) {
         }
         "quadratic_drag" => law.drag *= factor,
         "spring" => law.spring = law.spring.map(|(k, x0)| (k * factor, x0)),
+        "end_stop" => law.stop = law.stop.map(|(k, x0)| (k * factor, x0)),
         "inertia_step" => {
             law.inertia_step = law.inertia_step.map(|(t0, delta)| (t0, (delta * factor).clamp(-0.6, 3.0)));
         }

@@ -5,7 +5,7 @@ use rand::{RngExt, seq::IndexedRandom};
 use std::fmt;
 
 /// The catalogue's names, exactly as in the table of effects (its `dahl, lugre` row is two names).
-pub const CATALOGUE: [&str; 24] = [
+pub const CATALOGUE: [&str; 25] = [
     "constant_load",
     "asymmetric_viscous",
     "stribeck",
@@ -30,7 +30,12 @@ pub const CATALOGUE: [&str; 24] = [
     "friction_drift",
     "gain_drift",
     "inertia_step",
+    "end_stop",
 ];
+
+/// So many names of [`CATALOGUE`] are drawn by seed, alone and in pairs. Later ones are asked for by name, so that each seed
+/// keeps the effects that it had.
+pub const DRAWN: usize = 24;
 
 /// Effects that no catalogue entry describes: the right verdict is "unknown" or "partly explained".
 pub const OUTSIDE: [&str; 4] = ["force_well", "torque_bursts", "velocity_ripple", "position_gain"];
@@ -51,7 +56,7 @@ pub fn drawn(seed: u64, index: u64) -> Vec<&'static str> {
     };
     let mut names: Vec<&'static str> = Vec::new();
     while names.len() < count {
-        let Some(name) = CATALOGUE.choose(&mut rng).copied() else { break };
+        let Some(name) = CATALOGUE[..DRAWN].choose(&mut rng).copied() else { break };
         let excluded = EXCLUSIVE.iter().any(|two| two.contains(&name) && names.iter().any(|n| two.contains(n)));
         if !excluded && !names.contains(&name) {
             names.push(name);
@@ -119,7 +124,7 @@ impl Hidden {
             "pwm_dead_time" => "drive level and velocity",
             "delay" | "electrical_lag" => "time since drive edge",
             "position_friction" => "position and direction",
-            "cogging" | "gravity_load" | "spring" | "force_well" | "encoder_eccentricity" => "position",
+            "cogging" | "gravity_load" | "spring" | "end_stop" | "force_well" | "encoder_eccentricity" => "position",
             "position_gain" => "position and drive level",
             "time_periodic" | "torque_bursts" | "friction_drift" | "gain_drift" | "inertia_step" => "session time",
             _ => "none",
@@ -128,6 +133,11 @@ impl Hidden {
 
     /// The effect's place in the two lists (catalogue first), used to give each its own random stream.
     pub(crate) fn index(self) -> u64 {
-        CATALOGUE.iter().chain(&OUTSIDE).position(|n| *n == self.name()).map_or(0, |i| i as u64 + 1)
+        CATALOGUE[..DRAWN]
+            .iter()
+            .chain(&OUTSIDE)
+            .chain(&CATALOGUE[DRAWN..])
+            .position(|n| *n == self.name())
+            .map_or(0, |i| i as u64 + 1)
     }
 }

@@ -22,6 +22,8 @@ pub struct ForceLaw {
     pub cogging2: Option<Wave>,
     pub gravity: Option<Wave>,
     pub spring: Option<(f64, f64)>,
+    /// k and x0: a spring that is pressed above x0 for k > 0, and below it for k < 0.
+    pub stop: Option<(f64, f64)>,
     /// A, ω, φ over session time.
     pub periodic: Option<Wave>,
     pub second: Option<Second>,
@@ -121,6 +123,10 @@ impl ForceLaw {
         }
         if let Some((k, x0)) = self.spring {
             force -= k * (x - x0);
+        }
+        if let Some((k, x0)) = self.stop {
+            let depth = if k > 0.0 { x - x0 } else { x0 - x };
+            force -= k * depth.max(0.0);
         }
         if let Some(wave) = self.periodic {
             force += wave.at(t);

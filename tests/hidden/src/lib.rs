@@ -31,7 +31,7 @@ mod text;
 mod truth;
 mod world;
 
-pub use effect::{CATALOGUE, Hidden, OUTSIDE, UnknownEffect, drawn};
+pub use effect::{CATALOGUE, DRAWN, Hidden, OUTSIDE, UnknownEffect, drawn};
 pub use experiment::{Experiment, Role};
 pub use machine::{Base, Machine};
 pub use session::{Case, Record, Session};

@@ -165,6 +165,7 @@ fn parameters(law: &ForceLaw, name: &str) -> Vec<(&'static str, f64)> {
         }
         "gravity_load" => law.gravity.map_or(vec![], |w| vec![("m", w.a), ("phi", w.phi)]),
         "spring" => law.spring.map_or(vec![], |(k, x0)| vec![("k", k), ("x0", x0)]),
+        "end_stop" => law.stop.map_or(vec![], |(k, x0)| vec![("k", k), ("x0", x0)]),
         "time_periodic" => wave(law.periodic, ["A", "omega", "phi"]),
         "backlash" => law
             .second

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use breakaway_hidden::{CATALOGUE, Case, Experiment, Setting, drawn};
+use breakaway_hidden::{CATALOGUE, Case, DRAWN, Experiment, Setting, drawn};
 use clap::Args;
 
 /// What the cases are made of.
@@ -85,7 +85,7 @@ pub fn range(seeds: &str) -> Result<Range<u64>, String> {
 
 /// The `index`-th pair of a seed: a walk through all ordered pairs in steps that have no divisor in common with their number.
 fn pair(seed: u64, index: usize) -> String {
-    let n = CATALOGUE.len();
+    let n = DRAWN;
     let at = (seed as usize * 101 + index * 29) % (n * n);
     let (a, b) = (at / n, at % n);
     let b = if a == b { (b + 7) % n } else { b };

@@ -44,7 +44,7 @@ pub struct Machine {
     /// Groups of its files that are a split of their own.
     pub groups: &'static [Group],
     /// What a discovery has to say.
-    pub truth: Truth,
+    pub truth: Truth<'static>,
     /// Parameters that are known, with their source.
     pub known: &'static [Known],
 }

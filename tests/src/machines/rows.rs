@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use breakaway_core::plant::Kind;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::Machine;
@@ -55,10 +56,6 @@ fn rounded(value: f64) -> f64 {
 impl Row {
     /// The row of a split.
     pub fn new(machine: &Machine, split: Split, commit: &str, said: Said) -> Self {
-        let names = |name: &Named| {
-            let all = std::iter::once(&name.kind).chain(&name.tied).map(|kind| kind.name());
-            all.collect::<Vec<_>>().join("~")
-        };
         let parameters = said.parameters.iter().map(|(label, value)| format!("{label}={}", rounded(*value)));
         let [force_before, force_after] = ends(said.force);
         let [open_loop_before, open_loop_after] = ends(said.open_loop);
@@ -67,7 +64,7 @@ impl Row {
             split: split.to_string(),
             commit: commit.to_owned(),
             verdict: said.verdict,
-            named: said.named.iter().map(names).collect::<Vec<_>>().join("+"),
+            named: cell(&said.named),
             parameters: parameters.collect::<Vec<_>>().join(";"),
             force_before,
             force_after,
@@ -109,16 +106,7 @@ impl Row {
     /// # Errors
     /// The name that no effect has.
     pub fn names(&self) -> Result<Vec<Named>, String> {
-        let kind = |name: &str| {
-            let found = Kind::ALL.iter().copied().find(|kind| kind.name() == name);
-            found.ok_or_else(|| format!("{}, {}: no effect is called `{name}`", self.machine, self.split))
-        };
-        let one = |names: &str| {
-            let mut kinds = names.split('~').map(kind);
-            let first = kinds.next().unwrap_or_else(|| kind(names))?;
-            Ok(Named { kind: first, tied: kinds.collect::<Result<_, _>>()? })
-        };
-        self.named.split('+').filter(|names| !names.is_empty()).map(one).collect()
+        names(&self.named).map_err(|error| format!("{}, {}: {error}", self.machine, self.split))
     }
 
     /// The value of a parameter: `f1`, `cogging.A`.
@@ -136,6 +124,32 @@ impl Row {
     }
 }
 
+/// Names as a cell: `spring~gravity_load+load_friction`.
+pub fn cell(names: &[Named]) -> String {
+    let one = |name: &Named| {
+        let all = std::iter::once(&name.kind).chain(&name.tied).map(|kind| kind.name());
+        all.collect::<Vec<_>>().join("~")
+    };
+    names.iter().map(one).collect::<Vec<_>>().join("+")
+}
+
+/// The names of a cell.
+///
+/// # Errors
+/// The name that no effect has.
+pub fn names(cell: &str) -> Result<Vec<Named>, String> {
+    let kind = |name: &str| {
+        let found = Kind::ALL.iter().copied().find(|kind| kind.name() == name);
+        found.ok_or_else(|| format!("no effect is called `{name}`"))
+    };
+    let one = |names: &str| {
+        let mut kinds = names.split('~').map(kind);
+        let first = kinds.next().unwrap_or_else(|| kind(names))?;
+        Ok(Named { kind: first, tied: kinds.collect::<Result<_, _>>()? })
+    };
+    cell.split('+').filter(|names| !names.is_empty()).map(one).collect()
+}
+
 fn ends(pair: Option<[f64; 2]>) -> [Option<f64>; 2] {
     pair.map_or([None; 2], |pair| pair.map(|value| Some(rounded(value))))
 }
@@ -144,7 +158,7 @@ fn ends(pair: Option<[f64; 2]>) -> [Option<f64>; 2] {
 ///
 /// # Errors
 /// A row that is none.
-pub fn read(path: &Path) -> Result<Vec<Row>, csv::Error> {
+pub fn read<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, csv::Error> {
     match File::open(path) {
         Ok(file) => csv::Reader::from_reader(file).deserialize().collect(),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
@@ -156,7 +170,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, csv::Error> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write(path: &Path, rows: &[Row]) -> Result<(), csv::Error> {
+pub fn write<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), csv::Error> {
     let mut writer = csv::Writer::from_path(path)?;
     rows.iter().try_for_each(|row| writer.serialize(row))?;
     Ok(writer.flush()?)
@@ -166,7 +180,7 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), csv::Error> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn append(path: &Path, row: &Row) -> Result<(), csv::Error> {
+pub fn append<R: Serialize>(path: &Path, row: &R) -> Result<(), csv::Error> {
     let file = OpenOptions::new().create(true).append(true).open(path)?;
     let new = file.metadata()?.len() == 0;
     let mut writer = csv::WriterBuilder::new().has_headers(new).from_writer(file);
@@ -200,7 +214,7 @@ mod tests {
         let path = folder.path().join("rows.csv");
         append(&path, &row).unwrap();
         append(&path, &Row::no_drive(&XL330, "abc")).unwrap();
-        let again = read(&path).unwrap();
+        let again: Vec<Row> = read(&path).unwrap();
         assert_eq!(again, [row.clone(), Row::no_drive(&XL330, "abc")]);
         assert_eq!(row.named, "spring~gravity_load+load_friction");
         assert_eq!(row.names().unwrap()[0].tied, [Kind::GravityLoad]);
@@ -208,7 +222,7 @@ mod tests {
         assert_eq!(row.note, "a.csv is refused; a \"note\", with a comma");
         assert_eq!(row.score(&XL330), Ok(Score::Right));
         write(&path, &again[..1]).unwrap();
-        assert_eq!(read(&path).unwrap(), again[..1]);
+        assert_eq!(read::<Row>(&path).unwrap(), again[..1]);
         assert!(Row { named: "magic".into(), ..row }.names().is_err());
     }
 }

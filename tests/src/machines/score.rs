@@ -23,9 +23,9 @@ impl Named {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Score {
     /// The leading name is right, or tied with what is, and nothing else is wrong. Where nothing is missing: nothing is
-    /// named.
+    /// named. Where what is missing is outside the catalogue: the verdict is *unknown* or *partly explained*.
     Right,
-    /// A name, with all that is tied with it, is not true of the machine.
+    /// A name, with all that is tied with it, is not true of the machine. What is outside the catalogue is *explained*.
     Wrong,
     /// Refused, unknown, or true names without the one that is needed.
     Abstains,
@@ -56,9 +56,11 @@ pub const PANICKED: &str = "panicked";
 pub const NO_DRIVE: &str = "no_drive";
 /// Verdict of a discovery that finds nothing missing.
 const NOTHING_MISSING: &str = "nothing_missing";
+/// Verdict of a discovery whose names explain all.
+const EXPLAINED: &str = "explained";
 
 /// Judges a verdict and its names.
-pub fn score(truth: &Truth, verdict: &str, named: &[Named]) -> Score {
+pub fn score(truth: &Truth<'_>, verdict: &str, named: &[Named]) -> Score {
     if *truth == Truth::NoDrive {
         return Score::NotAsked;
     }
@@ -68,7 +70,9 @@ pub fn score(truth: &Truth, verdict: &str, named: &[Named]) -> Score {
     match truth {
         _ if [REFUSED, PANICKED].contains(&verdict) => Score::Abstains,
         Truth::Nothing | Truth::NoDrive => Score::Right,
-        Truth::Effects { .. } if named.is_empty() && verdict == NOTHING_MISSING => Score::FalseNothing,
+        _ if named.is_empty() && verdict == NOTHING_MISSING => Score::FalseNothing,
+        Truth::Outside { .. } if verdict == EXPLAINED => Score::Wrong,
+        Truth::Outside { .. } => Score::Right,
         Truth::Effects { lead, needed, .. } => {
             let leads = named.first().is_some_and(|name| name.any(|kind| lead.contains(&kind)));
             let holds = named.iter().any(|name| name.any(|kind| needed.contains(&kind)));
@@ -108,6 +112,14 @@ mod tests {
         assert_eq!(frc("unknown", &[]), Score::Right);
         assert_eq!(frc(REFUSED, &[]), Score::Abstains);
         assert_eq!(frc("explained", &[name(Dahl, &[])]), Score::Wrong);
+        let outside = |verdict: &str, named: &[Named]| score(&Truth::Outside { also: &[GravityLoad] }, verdict, named);
+        let gravity = name(GravityLoad, &[]);
+        assert_eq!(outside("unknown", &[]), Score::Right);
+        assert_eq!(outside("partly_explained", std::slice::from_ref(&gravity)), Score::Right);
+        assert_eq!(outside("explained", &[gravity]), Score::Wrong);
+        assert_eq!(outside("partly_explained", &[name(Dahl, &[])]), Score::Wrong);
+        assert_eq!(outside("nothing_missing", &[]), Score::FalseNothing);
+        assert_eq!(outside(REFUSED, &[]), Score::Abstains);
         assert_eq!(score(&SO101.truth, NO_DRIVE, &[]), Score::NotAsked);
     }
 }

@@ -4,15 +4,20 @@ use breakaway_core::plant::Kind;
 
 /// The right result of a discovery on a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Truth {
+pub enum Truth<'a> {
     /// Something is missing from the base model.
     Effects {
         /// Names that may stand first.
-        lead: &'static [Kind],
+        lead: &'a [Kind],
         /// Names, at least one of which must be given, in whatever place.
-        needed: &'static [Kind],
+        needed: &'a [Kind],
         /// Further names that are also true of the machine.
-        also: &'static [Kind],
+        also: &'a [Kind],
+    },
+    /// Something is missing that no effect of the catalogue describes.
+    Outside {
+        /// Names that are true of the machine, beside what is missing.
+        also: &'a [Kind],
     },
     /// Nothing material is missing.
     Nothing,
@@ -20,9 +25,9 @@ pub enum Truth {
     NoDrive,
 }
 
-impl Truth {
+impl<'a> Truth<'a> {
     /// A truth that needs the leading name alone.
-    pub const fn lead(lead: &'static [Kind], also: &'static [Kind]) -> Self {
+    pub const fn lead(lead: &'a [Kind], also: &'a [Kind]) -> Self {
         Self::Effects { lead, needed: lead, also }
     }
 
@@ -30,6 +35,7 @@ impl Truth {
     pub fn allows(&self, kind: Kind) -> bool {
         match self {
             Self::Effects { lead, needed, also } => [lead, needed, also].iter().any(|names| names.contains(&kind)),
+            Self::Outside { also } => also.contains(&kind),
             Self::Nothing | Self::NoDrive => false,
         }
     }
@@ -40,6 +46,8 @@ impl Truth {
         match self {
             Self::Nothing => "nothing".to_owned(),
             Self::NoDrive => "no drive logged".to_owned(),
+            Self::Outside { also: [] } => "outside the catalogue".to_owned(),
+            Self::Outside { also } => format!("outside the catalogue; also {}", list(also, ", ")),
             Self::Effects { lead, needed, also } => {
                 let mut words = list(lead, " or ");
                 if needed != lead {
@@ -112,7 +120,7 @@ mod tests {
     /// Words of the page, and which names are true: those of all three lists.
     #[test]
     fn a_truth_says_what_it_allows() {
-        const TRUTH: Truth = Truth::Effects {
+        const TRUTH: Truth<'_> = Truth::Effects {
             lead: &[Kind::AsymmetricViscous, Kind::ConstantLoad],
             needed: &[Kind::AsymmetricViscous],
             also: &[Kind::Delay],
@@ -120,6 +128,9 @@ mod tests {
         assert_eq!(TRUTH.words(), "asymmetric_viscous or constant_load, with asymmetric_viscous; also delay");
         assert!(TRUTH.allows(Kind::ConstantLoad) && TRUTH.allows(Kind::Delay) && !TRUTH.allows(Kind::Dahl));
         assert!(!Truth::Nothing.allows(Kind::Dahl));
+        let outside = Truth::Outside { also: &[Kind::GravityLoad] };
+        assert_eq!(outside.words(), "outside the catalogue; also gravity_load");
+        assert!(outside.allows(Kind::GravityLoad) && !outside.allows(Kind::Dahl));
         assert_eq!(Known::within(None, "f1", [8.4, 10.6], "").value(), "8.4 to 10.6");
         assert_eq!(Known::new(Some(Kind::GravityLoad), "m", 5.7, "").unsigned().value(), "±5.7");
     }

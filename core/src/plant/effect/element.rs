@@ -70,6 +70,13 @@ pub enum Element {
         /// Position.
         rest: f64,
     },
+    /// A force `−|stiffness|·(x − begins)` where `stiffness·(x − begins)` is positive.
+    Stop {
+        /// Drive per position; its sign says the side.
+        stiffness: f64,
+        /// Position.
+        begins: f64,
+    },
     /// A force `amplitude·sin(angular_frequency·t + phase)`.
     Shaking {
         /// Drive units.
@@ -190,6 +197,9 @@ impl Element {
             }
             Self::Spring { stiffness, rest } => {
                 Self::Spring { stiffness: stiffness * force / length, rest: rest * length }
+            }
+            Self::Stop { stiffness, begins } => {
+                Self::Stop { stiffness: stiffness * force / length, begins: begins * length }
             }
             Self::Shaking { amplitude, angular_frequency, phase } => {
                 Self::Shaking { amplitude: amplitude * force, angular_frequency, phase }

@@ -231,6 +231,7 @@ catalogue! {
     cogging::Cogging,
     gravity_load::GravityLoad,
     spring::Spring,
+    end_stop::EndStop,
     time_periodic::TimePeriodic,
     inertia_step::InertiaStep,
     dahl::Dahl,

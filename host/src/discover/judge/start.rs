@@ -44,6 +44,7 @@ pub fn effect(
             let positions = form.dataset.pieces.iter().flat_map(|p| p.x.iter().copied()).collect();
             vec![amplitude(0), super::weak_form::percentile(positions, 0.5) - amplitude(1) / amplitude(0)]
         }
+        Kind::EndStop => vec![parameter(0) * amplitude(0), parameter(1)],
         Kind::GravityLoad => vec![wave().0, wave().1],
         Kind::Cogging | Kind::TimePeriodic => vec![wave().0, parameter(1), wave().1],
         Kind::PositionFriction => {

@@ -22,6 +22,7 @@ fn expected(name: &str, p: &dyn Fn(&str) -> f64, base: &Base, q: &Sample) -> f64
         "cogging" => p("A") * (p("n") * x + p("phi")).sin() + p("A2") * (p("n2") * x + p("phi2")).sin(),
         "gravity_load" => p("m") * (x + p("phi")).sin(),
         "spring" => -p("k") * (x - p("x0")),
+        "end_stop" => -p("k").abs() * if p("k") * (x - p("x0")) > 0.0 { x - p("x0") } else { 0.0 },
         "time_periodic" => p("A") * (p("omega") * t + p("phi")).sin(),
         "dead_zone" => -u.signum() * u.abs().min(p("d")),
         "saturation" => u.clamp(-p("u_max"), p("u_max")) - u,
@@ -45,7 +46,7 @@ struct Sample {
     t: f64,
 }
 
-const FORCES: [&str; 19] = [
+const FORCES: [&str; 20] = [
     "constant_load",
     "asymmetric_viscous",
     "stribeck",
@@ -56,6 +57,7 @@ const FORCES: [&str; 19] = [
     "cogging",
     "gravity_load",
     "spring",
+    "end_stop",
     "time_periodic",
     "dead_zone",
     "saturation",
@@ -126,6 +128,7 @@ fn sizes_are_realised() {
         "quadratic_drag",
         "spring",
         "inertia_step",
+        "end_stop",
         "encoder_eccentricity",
     ];
     for (seed, name) in by_definition.iter().enumerate() {

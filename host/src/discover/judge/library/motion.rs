@@ -11,6 +11,11 @@ const FALL: f64 = 3.0;
 /// Strokes of the grid.
 const STROKES: i32 = 11;
 
+/// Places at which a stop may begin.
+const PLACES: u32 = 15;
+/// Least times that a stop is touched. A stop that is touched once is none: the session's time, say, would do as well.
+const LEAST_TOUCHES: usize = 3;
+
 impl Library<'_> {
     pub(super) fn of_the_motion(&self) -> Vec<Term> {
         let mut terms = vec![
@@ -26,6 +31,7 @@ impl Library<'_> {
             (term.size, term.own_zeros) = (2, true);
             terms.push(term.signed(Sign::Positive));
         }
+        terms.extend(self.end_stops());
         if let Some(radians) = self.radians {
             terms.extend(self.waves(Kind::GravityLoad, radians, |_, wave| wave));
         }
@@ -35,6 +41,44 @@ impl Library<'_> {
             terms.extend(seen.map(|p| self.stribeck(vs, p)));
         }
         terms
+    }
+
+    /// Stops on either side of places that divide the positions evenly.
+    fn end_stops(&self) -> Vec<Term> {
+        let Some([first, apart]) = self.places_of_stops() else { return Vec::new() };
+        let places = (0..PLACES).map(|i| first + apart * f64::from(i));
+        let both = places.flat_map(|place| [1.0, -1.0].map(|side| (side, place)));
+        let seen = both.filter(|(side, place)| self.touches(*side, *place, 0.5 * apart) >= LEAST_TOUCHES);
+        seen.map(|(side, place)| self.end_stop(side, place)).collect()
+    }
+
+    /// The first place of the grid, and how far the places are apart; `None` where the axis does not move.
+    pub(super) fn places_of_stops(&self) -> Option<[f64; 2]> {
+        let positions = || self.form.dataset.pieces.iter().flat_map(|piece| &piece.x).copied();
+        let (least, most) = (positions().fold(f64::INFINITY, f64::min), positions().fold(f64::NEG_INFINITY, f64::max));
+        let apart = (most - least) / f64::from(PLACES + 1);
+        (apart > 0.0).then_some([least + apart, apart])
+    }
+
+    /// A stop that begins at `place`, above it (`side` 1) or below it (−1).
+    pub(super) fn end_stop(&self, side: f64, place: f64) -> Term {
+        let field = self.field(|s| side * (side * (s.x - place)).max(0.0));
+        let term = effect(Kind::EndStop, vec![field]).with(0, side).with(1, place).signed(Sign::Positive);
+        // The side is no parameter: the sign of the stiffness says it.
+        Term { size: 2, chosen_of: f64::from(2 * PLACES), ..term }
+    }
+
+    /// How often the axis comes to that side of a place, from at least `away` on the other side of it.
+    fn touches(&self, side: f64, place: f64, away: f64) -> usize {
+        let mut touches = 0;
+        for piece in &self.form.dataset.pieces {
+            let mut was_away = false;
+            for depth in piece.x.iter().map(|x| side * (x - place)) {
+                touches += usize::from(was_away && depth > 0.0);
+                was_away = depth < -away || was_away && depth <= 0.0;
+            }
+        }
+        touches
     }
 
     /// The largest Stribeck velocity of this exponent that the motion shows. The curve has fallen to 5 % of its rise there
@@ -120,6 +164,64 @@ mod tests {
     use super::super::super::weak_form::WeakForm;
     use super::super::super::weights::Weights;
     use super::*;
+    use crate::discover::judge::ruling::rule;
+    use crate::recording::Recording;
+
+    /// Stiffness of a stop.
+    const K: f64 = 3.0;
+
+    /// 16 s at 500 Hz of an axis that two sines move. From `place` on a stop pushes back, above it or below it.
+    fn axis_at_a_stop(side: f64, place: f64) -> Recording {
+        let (mut x, mut v) = (0.0, 0.0_f64);
+        let mut recording = Recording::default();
+        for k in 0..8000 {
+            let t = 2e-3 * f64::from(k);
+            let u = 0.8 * (3.1 * t).sin() + 0.5 * (8.3 * t).sin();
+            recording.t.push(t);
+            recording.u.push(u);
+            recording.x.push((x / 1e-4_f64).round() * 1e-4);
+            for _ in 0..20 {
+                let stop = side * K * (side * (x - place)).max(0.0);
+                v += (u - stop - 0.1 * v.signum() - 0.1 * v) / 0.02 * 1e-4;
+                x += v * 1e-4;
+            }
+        }
+        recording
+    }
+
+    /// A stop on either side is named alone, with its stiffness to 5 % and its place to a hundredth of the motion. The one
+    /// column has a kink, which the windows round off.
+    #[test]
+    fn a_stop_is_named_with_its_side() {
+        for (side, place) in [(1.0, 0.5), (-1.0, -0.4)] {
+            let recording = axis_at_a_stop(side, place);
+            let span = 2.0 * recording.x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let ruling = rule(&[recording], Some(1.0), &Settings::default()).unwrap();
+            let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
+            assert_eq!(names, [Kind::EndStop]);
+            let [stiffness, begins, ..] = ruling.findings[0].effect.p;
+            assert!((stiffness / (side * K) - 1.0).abs() < 0.05, "{stiffness}");
+            assert!((begins - place).abs() < 0.01 * span, "{begins} of {span}");
+        }
+    }
+
+    /// An axis that goes round passes each place once. A stop anywhere would be whatever changes in the session's time.
+    #[test]
+    fn a_place_that_is_passed_once_is_no_stop() {
+        let settings = Settings::default();
+        let mut recording = Recording::default();
+        for k in 0..4000 {
+            let t = 2e-3 * f64::from(k);
+            recording.t.push(t);
+            recording.u.push(1.0 + 0.3 * (3.0 * t).sin());
+            recording.x.push(5.0 * t + 0.2 * (3.0 * t).sin());
+        }
+        let dataset = Dataset::new(&[recording], &settings);
+        let form = WeakForm::new(&dataset, 0.05, &settings).unwrap();
+        let base = Stage::new(&form, &settings, Model::default(), &Weights::equal(&form)).unwrap();
+        let stops = base.library().of_effects(|kind| kind == Kind::EndStop);
+        assert!(!stops.iter().any(|term| term.name == Name::Effect(Kind::EndStop)));
+    }
 
     /// Of twelve drags of the hidden plant six were called Stribeck friction (kind world, 10 %, seeds 871 to 882). The Stribeck
     /// velocity of four was nearly the motion's own. The motion passes that of each curve of the grid, wherever it is moved.

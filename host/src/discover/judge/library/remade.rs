@@ -20,6 +20,7 @@ impl Library<'_> {
             (Kind::FrictionDrift, [time_constant_s]) => Some(self.friction_drift(*time_constant_s)),
             (Kind::Stribeck, [vs]) => Some(self.stribeck(*vs, 2.0)),
             (Kind::Stribeck, [vs, p]) => Some(self.stribeck(*vs, *p)),
+            (Kind::EndStop, [side, place]) => Some(self.end_stop(*side, *place)),
             (Kind::Dahl, [stroke]) => Some(self.dahl(*stroke)),
             (Kind::LuGre, [stroke, vs, rise]) => Some(self.lugre(*stroke, *vs, *rise)),
             (Kind::FlexibleCoupling, [omega, zeta]) => Some(self.second_body(*omega, *zeta)),
@@ -38,6 +39,9 @@ impl Library<'_> {
         match kind {
             Kind::Cogging | Kind::PositionFriction => vec![line(self.travel)],
             Kind::TimePeriodic => vec![line(self.session_s())],
+            Kind::EndStop => {
+                self.places_of_stops().map(|[_, apart]| (1, [of(1) - apart, of(1) + apart])).into_iter().collect()
+            }
             Kind::Dahl => self.strokes().map(|[_, ratio]| times(0, ratio)).into_iter().collect(),
             Kind::LuGre => {
                 let stroke = self.strokes().map(|[_, ratio]| times(0, ratio));

@@ -1,0 +1,123 @@
+//! A session and what became of it, as a row of docs/mujoco.csv.
+
+use breakaway_core::plant::Kind;
+use serde::{Deserialize, Serialize};
+
+use super::Drawn;
+use crate::machines::discovery::Said;
+use crate::machines::rows::{cell, names};
+use crate::machines::score::{Named, Score, score};
+use crate::machines::truth::Truth;
+
+/// One row.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// What the machine is.
+    pub about: String,
+    /// As [`Drawn::lead`].
+    pub lead: String,
+    /// As [`Drawn::also`].
+    pub also: String,
+    /// As [`Drawn::outside`].
+    pub outside: bool,
+    /// As [`Drawn::size_percent`].
+    pub size_percent: f64,
+    /// As [`Drawn::world`].
+    pub world: String,
+    /// Commit that was run.
+    pub commit: String,
+    /// Verdict, or `refused`, `panicked`.
+    pub verdict: String,
+    /// Effects in order, as the rows of the real machines have them.
+    pub named: String,
+    /// Seconds of the clock.
+    pub seconds: f64,
+    /// Why the discovery was refused.
+    pub note: String,
+}
+
+impl Row {
+    /// The row of a session.
+    pub fn new(drawn: Drawn, commit: &str, said: Said) -> Self {
+        let Drawn { scenario, seed, about, lead, also, outside, size_percent, world } = drawn;
+        Self {
+            scenario,
+            seed,
+            about,
+            lead,
+            also,
+            outside,
+            size_percent,
+            world,
+            commit: commit.to_owned(),
+            verdict: said.verdict,
+            named: cell(&said.named),
+            seconds: (10.0 * said.seconds).round() / 10.0,
+            note: said.refusal.unwrap_or_default(),
+        }
+    }
+
+    /// Whether it is of this session.
+    pub fn is_of(&self, drawn: &Drawn) -> bool {
+        self.scenario == drawn.scenario && self.seed == drawn.seed
+    }
+
+    /// The score by what is true.
+    ///
+    /// # Errors
+    /// A name that no effect has.
+    pub fn score(&self) -> Result<Score, String> {
+        let (lead, also) = (kinds(&self.lead)?, kinds(&self.also)?);
+        let truth = match (lead.is_empty(), self.outside) {
+            (true, true) => Truth::Outside { also: &also },
+            (true, false) => Truth::Nothing,
+            (false, _) => Truth::lead(&lead, &also),
+        };
+        Ok(score(&truth, &self.verdict, &names(&self.named)?))
+    }
+
+    /// The names that must lead and were neither named nor tied with a name: a session may hide two effects.
+    ///
+    /// # Errors
+    /// A name that no effect has.
+    pub fn unnamed(&self) -> Result<Vec<Kind>, String> {
+        let said = names(&self.named)?;
+        let holds = |kind: Kind| said.iter().any(|Named { kind: of, tied }| *of == kind || tied.contains(&kind));
+        Ok(kinds(&self.lead)?.into_iter().filter(|&kind| !holds(kind)).collect())
+    }
+}
+
+fn kinds(cell: &str) -> Result<Vec<Kind>, String> {
+    Ok(names(cell)?.iter().map(|name| name.kind).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(lead: &str, outside: bool, verdict: &str, named: &str) -> Row {
+        Row { lead: lead.into(), outside, verdict: verdict.into(), named: named.into(), ..Row::default() }
+    }
+
+    /// The rule of the real machines, for the truths that a scenario can have.
+    #[test]
+    fn sessions_are_scored_as_the_real_machines() {
+        assert_eq!(row("", false, "nothing_missing", "").score(), Ok(Score::Right));
+        assert_eq!(row("", false, "explained", "dahl").score(), Ok(Score::Wrong));
+        assert_eq!(row("", true, "unknown", "").score(), Ok(Score::Right));
+        assert_eq!(row("", true, "nothing_missing", "").score(), Ok(Score::FalseNothing));
+        assert_eq!(row("gravity_load", false, "explained", "spring~gravity_load").score(), Ok(Score::Right));
+        assert_eq!(row("gravity_load", false, "unknown", "").score(), Ok(Score::Abstains));
+        assert!(row("magic", false, "unknown", "").score().is_err());
+    }
+
+    #[test]
+    fn of_two_effects_the_one_without_a_name_is_said() {
+        let both = row("gravity_load+cogging", false, "partly_explained", "spring~gravity_load");
+        assert_eq!((both.score(), both.unnamed()), (Ok(Score::Right), Ok(vec![Kind::Cogging])));
+    }
+}
