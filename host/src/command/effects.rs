@@ -197,7 +197,7 @@ fn topics(definition: &Definition) -> Vec<(&'static str, String)> {
             "belongs to the encoder's zero, which may differ from recording to recording",
         ),
         (definition.shared_clock, "clock", "the recordings must share one"),
-        (definition.repeats, "repeats", "a model may have several, each with a wave number of its own"),
+        (definition.repeats, "repeats", "a model may have several, with other parameters"),
     ];
     topics.extend(needs.into_iter().filter(|(applies, ..)| *applies).map(|(_, topic, text)| (topic, text.to_owned())));
     let compensation = definition.compensation.unwrap_or("none, since a controller cannot cancel it");

@@ -94,7 +94,7 @@ class Backlash(Coupling):
 class EndStop(Machine):
     """A rubber stop that a controller runs into."""
 
-    outside = True
+    lead = ("end_stop",)
     within_rad = 2.0
 
     def set_up(self):
@@ -103,6 +103,13 @@ class EndStop(Machine):
     def force(self, x, velocity, t, u):
         depth = x - self.stop_rad
         return -max(0.0, self.level * (depth / 0.3) + 0.02 * self.level * velocity) if depth > 0 else 0.0
+
+
+class TwoStops(EndStop):
+    """A rubber stop at either end."""
+
+    def force(self, x, velocity, t, u):
+        return super().force(x, velocity, t, u) - super().force(-x, -velocity, t, u)
 
 
 class Drag(Machine):

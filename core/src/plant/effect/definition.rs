@@ -43,7 +43,7 @@ pub struct Definition {
     /// Effects that look like the residual of this one, whose law idealises something. To name one of them beside it
     /// takes other evidence than the simulation's.
     pub residue: &'static [Relation],
-    /// Whether several of it may stand in one model, with wave numbers of their own.
+    /// Whether several of it may stand in one model, with other parameters.
     pub repeats: bool,
     /// Whether the law holds only where the position is an angle in radians.
     pub needs_angle: bool,

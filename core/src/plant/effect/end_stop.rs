@@ -22,6 +22,7 @@ impl Law for EndStop {
         shown_by: "travel to the end, several times",
         confused_with: &["spring", "gravity_load"],
         compensation: None,
+        repeats: true,
         ..Definition::PLAIN
     };
 

@@ -231,7 +231,8 @@ impl<'a> Stage<'a> {
     }
 
     /// The best pair of every two names. The first of a pair is one of the effects that gain most, whether or not it
-    /// holds alone.
+    /// holds alone. The two may have one name, where a model may have several of it: an axis between two stops is led back
+    /// by both.
     fn pairs(&self, singles: &[Tried], bar: &Bar) -> Vec<Tried> {
         let mut first: Vec<&Tried> = singles
             .iter()
@@ -248,8 +249,11 @@ impl<'a> Stage<'a> {
             let beside = self.model.with(&one.terms[0]);
             let Some(fitted) = self.fit(&beside) else { continue };
             let terms = Library::new(self.form, &beside, &fitted, &self.weights).partners();
-            let pairs =
-                terms.into_par_iter().filter(|t| matches!(t.name, Name::Effect(_)) && t.name != one.terms[0].name);
+            let is_second = |name: Name| match name {
+                Name::Effect(kind) => name != one.terms[0].name || kind.definition().repeats,
+                Name::Decoy(_) => false,
+            };
+            let pairs = terms.into_par_iter().filter(|term| is_second(term.name));
             let weighed = pairs.filter_map(|term| self.weighed_pair((&one.terms[0], &fitted), term, &quiet));
             all.extend(weighed.collect::<Vec<_>>());
         }

@@ -170,13 +170,14 @@ mod tests {
     /// Stiffness of a stop.
     const K: f64 = 3.0;
 
-    /// 16 s at 500 Hz of an axis that two sines move. From `place` on a stop pushes back, above it or below it.
+    /// 16 s at 500 Hz of an axis that two sines move, and that a constant drive leads back to a stop. The stop begins at
+    /// `place`, and lies above it or below it.
     fn axis_at_a_stop(side: f64, place: f64) -> Recording {
         let (mut x, mut v) = (0.0, 0.0_f64);
         let mut recording = Recording::default();
         for k in 0..8000 {
             let t = 2e-3 * f64::from(k);
-            let u = 0.8 * (3.1 * t).sin() + 0.5 * (8.3 * t).sin();
+            let u = 0.3 * side + 0.8 * (3.1 * t).sin() + 0.5 * (8.3 * t).sin();
             recording.t.push(t);
             recording.u.push(u);
             recording.x.push((x / 1e-4_f64).round() * 1e-4);
