@@ -1,6 +1,6 @@
 //! The developer's one entry: `cargo xtask test`, `setup`, `image`, `emulator`, `uf2`, `budget`, `web`, `fuzz`, `miri`,
-//! `arrows`, `bench`, `blind`, `machines`, `mujoco`, `loops`, `soak`, `site`, `notices`. Tests by themselves are `pico2-test`, `web-test`,
-//! `fleet-test`, `export-test`, `logs-test`, `python-test`.
+//! `arrows`, `bench`, `blind`, `machines`, `mujoco`, `loops`, `soak`, `site`, `notices`. Tests by themselves are
+//! `pico2-test`, `web-test`, `fleet-test`, `export-test`, `logs-test`, `python-test`.
 
 mod ahead;
 mod arrows;

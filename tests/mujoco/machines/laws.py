@@ -40,7 +40,7 @@ class Stribeck(Machine):
 class Bristle(Machine):
     """A brush: a pad that slides under Coulomb's law, on a spring. Two of them of unlike stiffness."""
 
-    lead = ("dahl", "lugre")
+    lead = ("dahl~lugre",)
 
     def set_up(self):
         travel = math.exp(self.draw.uniform(math.log(0.02), math.log(0.3)))

@@ -17,7 +17,7 @@ FRICTION = 'solreffriction="0.0002 1" solimpfriction="0.99 0.999 0.001 0.5 2"'
 class Machine:
     """Nothing is missing: inertia, viscous and Coulomb friction."""
 
-    #: Names, one of which must lead. None where nothing is missing.
+    #: Effects that are missing, one of which must lead. `dahl~lugre` is one that has either name.
     lead = ()
     #: Further names that are also true.
     also = ()

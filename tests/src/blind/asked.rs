@@ -117,7 +117,7 @@ mod tests {
         assert!(cases.iter().all(|case| case.world.closed && case.experiment == Experiment::Closed));
         assert!(cases[1].effects.is_empty() && cases[0].effects.len() == 2);
         let kind = asked("--sizes 3").unwrap().cases().unwrap();
-        assert!(kind.len() == 48 && kind.iter().all(|case| case.world.is_kind()));
+        assert!(kind.len() == 2 * CATALOGUE.len() && kind.iter().all(|case| case.world.is_kind()));
         assert_eq!(asked("--seeds 1 --drawn 7 --world unkind:jitter,torque").unwrap().cases().unwrap().len(), 7);
         assert_eq!(asked("--seeds 1 --pairs 2").unwrap().cases().unwrap()[0].effects.len(), 2);
     }

@@ -120,7 +120,7 @@ fn score(truth: &Truth, own_error: f64, found: &Discovery) -> Scored {
 }
 
 /// The symbol of an effect's size in the hidden plant and in the catalogue.
-const MAIN: [(&str, &str, &str); 24] = [
+const MAIN: [(&str, &str, &str); 25] = [
     ("constant_load", "bias", "f0"),
     ("asymmetric_viscous", "d", "d"),
     ("stribeck", "s", "s"),
@@ -145,6 +145,7 @@ const MAIN: [(&str, &str, &str); 24] = [
     ("friction_drift", "s", "s"),
     ("gain_drift", "k", "k"),
     ("inertia_step", "delta", "r"),
+    ("end_stop", "k", "k"),
 ];
 
 fn parameter_error(truth: &Truth, found: &Discovery) -> Option<f64> {

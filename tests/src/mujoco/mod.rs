@@ -23,7 +23,8 @@ pub struct Drawn {
     pub seed: u64,
     /// What the machine is.
     pub about: String,
-    /// Names, one of which must lead, joined by `+`; empty where nothing of the catalogue is missing.
+    /// Effects that are missing, one of which must lead, joined by `+`; `dahl~lugre` is one that has either name. Empty where
+    /// nothing of the catalogue is missing.
     pub lead: String,
     /// Further names that are true, joined by `+`.
     pub also: String,

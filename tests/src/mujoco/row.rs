@@ -80,19 +80,20 @@ impl Row {
         Ok(score(&truth, &self.verdict, &names(&self.named)?))
     }
 
-    /// The names that must lead and were neither named nor tied with a name: a session may hide two effects.
+    /// The effects that are missing, and were neither named nor tied with a name. A session may hide two.
     ///
     /// # Errors
     /// A name that no effect has.
     pub fn unnamed(&self) -> Result<Vec<Kind>, String> {
         let said = names(&self.named)?;
-        let holds = |kind: Kind| said.iter().any(|Named { kind: of, tied }| *of == kind || tied.contains(&kind));
-        Ok(kinds(&self.lead)?.into_iter().filter(|&kind| !holds(kind)).collect())
+        let holds = |kind: &Kind| said.iter().any(|Named { kind: of, tied }| of == kind || tied.contains(kind));
+        let has_name = |own: &Named| holds(&own.kind) || own.tied.iter().any(holds);
+        Ok(names(&self.lead)?.into_iter().filter(|own| !has_name(own)).map(|own| own.kind).collect())
     }
 }
 
 fn kinds(cell: &str) -> Result<Vec<Kind>, String> {
-    Ok(names(cell)?.iter().map(|name| name.kind).collect())
+    Ok(names(cell)?.into_iter().flat_map(|name| std::iter::once(name.kind).chain(name.tied)).collect())
 }
 
 #[cfg(test)]
@@ -119,5 +120,7 @@ mod tests {
     fn of_two_effects_the_one_without_a_name_is_said() {
         let both = row("gravity_load+cogging", false, "partly_explained", "spring~gravity_load");
         assert_eq!((both.score(), both.unnamed()), (Ok(Score::Right), Ok(vec![Kind::Cogging])));
+        let bristle = row("dahl~lugre", false, "explained", "lugre");
+        assert_eq!((bristle.score(), bristle.unnamed()), (Ok(Score::Right), Ok(Vec::new())));
     }
 }
