@@ -39,8 +39,9 @@ fn definitions_are_complete() {
 fn exclusion_is_mutual() {
     for &a in Kind::ALL {
         assert_eq!(a.excludes(a).is_none(), a.definition().repeats, "{a:?}");
-        let has_a_line = parameters(a).iter().any(|p| matches!(p.role, Role::WaveNumber | Role::AngularFrequency));
-        assert!(has_a_line || !a.definition().repeats, "{a:?} has nothing to tell one from the other");
+        let tells_apart = |role| matches!(role, Role::WaveNumber | Role::AngularFrequency | Role::Position);
+        let has_a_place = parameters(a).iter().any(|p| tells_apart(p.role));
+        assert!(has_a_place || !a.definition().repeats, "{a:?} has nothing to tell one from the other");
         for &b in Kind::ALL.iter().filter(|b| **b != a) {
             assert_eq!(a.excludes(b), b.excludes(a), "{a:?} {b:?}");
             if (a.bristles() && b.bristles()) || (a.second_body() && b.second_body()) {

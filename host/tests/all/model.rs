@@ -47,7 +47,7 @@ fn unknown_names_are_answered_with_the_nearest_valid_one() {
     assert_snapshot!(message("f1 =", "F1 ="), @"m.toml:7: unknown key of [base] `F1`; did you mean `f1`?; valid: b, c, f1, se");
     assert_snapshot!(message("[units]", "[unit]"), @"m.toml:12: unknown key `unit`; did you mean `units`?; valid: base, units, effect");
     assert_snapshot!(message("x = \"rad\"", "position = 1"), @"m.toml:14: unknown key of [units] `position`; valid: u, x");
-    assert_snapshot!(message("constant_load", "constant_laod"), @"m.toml:17: unknown effect `constant_laod`; did you mean `constant_load`?; valid: delay, electrical_lag, dead_zone, saturation, pwm_dead_time, gain_drift, constant_load, asymmetric_viscous, quadratic_drag, stribeck, stiction, load_friction, friction_drift, position_friction, cogging, gravity_load, spring, time_periodic, inertia_step, dahl, lugre, backlash, flexible_coupling, encoder_eccentricity");
+    assert_snapshot!(message("constant_load", "constant_laod"), @"m.toml:17: unknown effect `constant_laod`; did you mean `constant_load`?; valid: delay, electrical_lag, dead_zone, saturation, pwm_dead_time, gain_drift, constant_load, asymmetric_viscous, quadratic_drag, stribeck, stiction, load_friction, friction_drift, position_friction, cogging, gravity_load, spring, end_stop, time_periodic, inertia_step, dahl, lugre, backlash, flexible_coupling, encoder_eccentricity");
     assert_snapshot!(message("f0 =", "fo ="), @"m.toml:18: unknown parameter of constant_load `fo`; did you mean `f0`?; valid: name, se, f0");
     assert_snapshot!(message("b = 1e-5", "d = 1e-5"), @"m.toml:10: unknown key of [base.se] `d`; valid: b, c, f1");
 }

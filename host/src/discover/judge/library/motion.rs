@@ -11,7 +11,7 @@ const FALL: f64 = 3.0;
 /// Strokes of the grid.
 const STROKES: i32 = 11;
 
-/// Places at which a stop may begin.
+/// Places at which a stop may begin. The best one is refined between its neighbours, so that the grid need only come near.
 const PLACES: u32 = 15;
 /// Least times that a stop is touched. A stop that is touched once is none: the session's time, say, would do as well.
 const LEAST_TOUCHES: usize = 3;
