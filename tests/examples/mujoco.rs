@@ -3,15 +3,17 @@
 //! A row is written as it ends; rows that the file holds already are not made again, unless `--anew` is given. `--table` only
 //! draws the table of the file, and `--page FILE --date DATE --command LINE` writes it as docs/mujoco.md.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use breakaway_tests::blind::asked::range;
 use breakaway_tests::machines::rows;
 use breakaway_tests::markdown::wrapped;
 use breakaway_tests::mujoco::row::Row;
-use breakaway_tests::mujoco::{Drawn, discovered, drawn, page, sessions};
+use breakaway_tests::mujoco::{discovered, page, sessions, undiscovered};
 use clap::Parser;
 
 #[derive(Parser)]
@@ -20,8 +22,8 @@ struct Asked {
     #[arg(long)]
     sessions: Option<PathBuf>,
     /// Only these seeds, such as 201..205, whose end is left out
-    #[arg(long)]
-    seeds: Option<String>,
+    #[arg(long, value_parser = range)]
+    seeds: Option<Range<u64>>,
     /// Only these scenarios [default: all]
     #[arg(long, value_delimiter = ',')]
     scenarios: Vec<String>,
@@ -54,22 +56,15 @@ struct Asked {
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
 impl Asked {
-    fn seeds(&self) -> Result<std::ops::Range<u64>, AnyError> {
-        let Some(text) = &self.seeds else { return Ok(0..u64::MAX) };
-        let (first, end) = text.split_once("..").unwrap_or((text, ""));
-        let first = first.parse()?;
-        Ok(first..if end.is_empty() { first + 1 } else { end.parse()? })
-    }
-
     /// The asked sessions.
-    fn asked(&self, folder: &Path) -> Result<Vec<(PathBuf, Drawn)>, AnyError> {
-        let seeds = self.seeds()?;
-        let is_asked = |drawn: &Drawn| {
-            seeds.contains(&drawn.seed) && (self.scenarios.is_empty() || self.scenarios.contains(&drawn.scenario))
+    fn asked(&self, folder: &Path) -> Result<Vec<(PathBuf, Row)>, AnyError> {
+        let is_asked = |row: &Row| {
+            let seed = self.seeds.as_ref().is_none_or(|seeds| seeds.contains(&row.seed));
+            seed && (self.scenarios.is_empty() || self.scenarios.contains(&row.scenario))
         };
         let mut asked = Vec::new();
         for session in sessions(folder)? {
-            let drawn = drawn(&session)?;
+            let drawn = undiscovered(&session)?;
             if is_asked(&drawn) {
                 asked.push((session, drawn));
             }
@@ -79,8 +74,8 @@ impl Asked {
 }
 
 /// Discovers a session, prints what was said, and adds its row to the file.
-fn one(session: &Path, drawn: &Drawn, asked: &Asked, file: &Mutex<()>) -> Result<(), AnyError> {
-    let row = Row::new(drawn.clone(), &asked.commit, discovered(session)?);
+fn one(session: &Path, drawn: &Row, asked: &Asked, file: &Mutex<()>) -> Result<(), AnyError> {
+    let row = drawn.clone().discovered(&asked.commit, discovered(session)?);
     let _writing = file.lock();
     println!(
         "{:13} {:18} {} {} {} {:.1} s",

@@ -82,7 +82,7 @@ class BentShaft(Machine):
 
 
 class Cogging(Machine):
-    """A ripple over the angle, and half of it at twice the waves."""
+    """A ripple over the angle, and three tenths of it at twice the waves."""
 
     lead = ("cogging",)
 

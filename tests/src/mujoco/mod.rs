@@ -8,33 +8,12 @@ pub mod row;
 use std::path::{Path, PathBuf};
 
 use breakaway::recording::{ReadOptions, Recording};
-use serde::{Deserialize, Serialize};
 
 use crate::machines::discovery::{self, Said};
 use crate::machines::rows;
 use crate::machines::splits::Taken;
 
-/// What a session's `truth.csv` says of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Drawn {
-    /// Name of the scenario.
-    pub scenario: String,
-    /// Seed of everything random.
-    pub seed: u64,
-    /// What the machine is.
-    pub about: String,
-    /// Effects that are missing, one of which must lead, joined by `+`; `dahl~lugre` is one that has either name. Empty where
-    /// nothing of the catalogue is missing.
-    pub lead: String,
-    /// Further names that are true, joined by `+`.
-    pub also: String,
-    /// Whether something is missing that the catalogue does not have.
-    pub outside: bool,
-    /// Size of what is missing, per cent of the largest drive.
-    pub size_percent: f64,
-    /// Rate, encoder, random torque and clock.
-    pub world: String,
-}
+use row::Row;
 
 /// Why a session cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -71,13 +50,13 @@ fn listed(folder: &Path) -> Result<Vec<PathBuf>, SessionError> {
     Ok(paths)
 }
 
-/// What is true of a session.
+/// The row of a session before it is discovered: what its `truth.csv` says.
 ///
 /// # Errors
 /// [`SessionError::Truth`] and [`SessionError::Empty`].
-pub fn drawn(session: &Path) -> Result<Drawn, SessionError> {
+pub fn undiscovered(session: &Path) -> Result<Row, SessionError> {
     let path = session.join("truth.csv");
-    let rows: Vec<Drawn> = rows::read(&path).map_err(|error| SessionError::Truth(path.clone(), error))?;
+    let rows: Vec<Row> = rows::read(&path).map_err(|error| SessionError::Truth(path.clone(), error))?;
     rows.into_iter().next().ok_or(SessionError::Empty(path))
 }
 

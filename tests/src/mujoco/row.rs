@@ -3,14 +3,14 @@
 use breakaway_core::plant::Kind;
 use serde::{Deserialize, Serialize};
 
-use super::Drawn;
 use crate::machines::discovery::Said;
 use crate::machines::rows::{cell, names};
 use crate::machines::score::{Named, Score, score};
 use crate::machines::truth::Truth;
 
-/// One row.
+/// One row. A session's `truth.csv` has its first eight columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Row {
     /// Name of the scenario.
     pub scenario: String,
@@ -18,15 +18,16 @@ pub struct Row {
     pub seed: u64,
     /// What the machine is.
     pub about: String,
-    /// As [`Drawn::lead`].
+    /// Effects that are missing, one of which must lead, joined by `+`; `dahl~lugre` is one that has either name. Empty where
+    /// nothing of the catalogue is missing.
     pub lead: String,
-    /// As [`Drawn::also`].
+    /// Further names that are true, joined by `+`.
     pub also: String,
-    /// As [`Drawn::outside`].
+    /// Whether something is missing that the catalogue does not have.
     pub outside: bool,
-    /// As [`Drawn::size_percent`].
+    /// Size of what is missing, per cent of the largest drive.
     pub size_percent: f64,
-    /// As [`Drawn::world`].
+    /// Rate, encoder, random torque and clock.
     pub world: String,
     /// Commit that was run.
     pub commit: String,
@@ -41,29 +42,22 @@ pub struct Row {
 }
 
 impl Row {
-    /// The row of a session.
-    pub fn new(drawn: Drawn, commit: &str, said: Said) -> Self {
-        let Drawn { scenario, seed, about, lead, also, outside, size_percent, world } = drawn;
+    /// The row with what a discovery said.
+    #[must_use]
+    pub fn discovered(self, commit: &str, said: Said) -> Self {
         Self {
-            scenario,
-            seed,
-            about,
-            lead,
-            also,
-            outside,
-            size_percent,
-            world,
             commit: commit.to_owned(),
             verdict: said.verdict,
             named: cell(&said.named),
             seconds: (10.0 * said.seconds).round() / 10.0,
             note: said.refusal.unwrap_or_default(),
+            ..self
         }
     }
 
-    /// Whether it is of this session.
-    pub fn is_of(&self, drawn: &Drawn) -> bool {
-        self.scenario == drawn.scenario && self.seed == drawn.seed
+    /// Whether it is of the same session.
+    pub fn is_of(&self, other: &Self) -> bool {
+        (&self.scenario, self.seed) == (&other.scenario, other.seed)
     }
 
     /// The score by what is true.
