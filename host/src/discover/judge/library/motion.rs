@@ -170,19 +170,19 @@ mod tests {
     /// Stiffness of a stop.
     const K: f64 = 3.0;
 
-    /// 16 s at 500 Hz of an axis that two sines move, and that a constant drive leads back to a stop. The stop begins at
-    /// `place`, and lies above it or below it.
-    fn axis_at_a_stop(side: f64, place: f64) -> Recording {
+    /// 16 s at 500 Hz of an axis that two sines and a constant drive move. A stop is its side, 1 above or −1 below, and the
+    /// place where it begins.
+    fn axis_at(stops: &[(f64, f64)], constant: f64) -> Recording {
         let (mut x, mut v) = (0.0, 0.0_f64);
         let mut recording = Recording::default();
         for k in 0..8000 {
             let t = 2e-3 * f64::from(k);
-            let u = 0.3 * side + 0.8 * (3.1 * t).sin() + 0.5 * (8.3 * t).sin();
+            let u = constant + 0.8 * (3.1 * t).sin() + 0.5 * (8.3 * t).sin();
             recording.t.push(t);
             recording.u.push(u);
             recording.x.push((x / 1e-4_f64).round() * 1e-4);
             for _ in 0..20 {
-                let stop = side * K * (side * (x - place)).max(0.0);
+                let stop: f64 = stops.iter().map(|(side, place)| side * K * (side * (x - place)).max(0.0)).sum();
                 v += (u - stop - 0.1 * v.signum() - 0.1 * v) / 0.02 * 1e-4;
                 x += v * 1e-4;
             }
@@ -195,7 +195,8 @@ mod tests {
     #[test]
     fn a_stop_is_named_with_its_side() {
         for (side, place) in [(1.0, 0.5), (-1.0, -0.4)] {
-            let recording = axis_at_a_stop(side, place);
+            // The drive leads the axis back to the stop.
+            let recording = axis_at(&[(side, place)], 0.3 * side);
             let span = 2.0 * recording.x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             let ruling = rule(&[recording], Some(1.0), &Settings::default()).unwrap();
             let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
@@ -204,6 +205,17 @@ mod tests {
             assert!((stiffness / (side * K) - 1.0).abs() < 0.05, "{stiffness}");
             assert!((begins - place).abs() < 0.01 * span, "{begins} of {span}");
         }
+    }
+
+    /// Between two stops. One alone gains less than a spring with gravity, which were named where only terms of two names were
+    /// tried as a pair.
+    #[test]
+    fn two_stops_are_named_as_a_pair() {
+        let ruling = rule(&[axis_at(&[(1.0, 0.5), (-1.0, -0.5)], 0.0)], Some(1.0), &Settings::default()).unwrap();
+        let names: Vec<Kind> = ruling.findings.iter().map(|finding| finding.effect.kind).collect();
+        assert_eq!(names, [Kind::EndStop; 2]);
+        let sides = ruling.findings.iter().map(|finding| finding.effect.p[0].signum()).sum::<f64>();
+        assert_eq!(sides.to_bits(), 0.0_f64.to_bits(), "one above and one below");
     }
 
     /// An axis that goes round passes each place once. A stop anywhere would be whatever changes in the session's time.
